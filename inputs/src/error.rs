@@ -1,0 +1,379 @@
+//! The one error type of this crate: what was wrong, where, what was expected, what to do.
+
+use std::path::PathBuf;
+
+use crate::motion::Quantity;
+
+/// Everything that can be wrong with a record, a motion or the reader behind them.
+///
+/// Each text is complete by itself: it names the file, the channel or the step, the number that was
+/// found, the one that was expected, and the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum InputError {
+    // ---- where the record is ------------------------------------------------------------------
+    /// A record was named by a network address.
+    #[error(
+        "{location}: is a network address; records are read from local files only
+  help: download the file and give its path"
+    )]
+    LocationIsUrl {
+        /// What was given.
+        location: String,
+    },
+    /// A pattern was given where one file is meant.
+    #[error(
+        "{location}: no such file; wildcards are not expanded, one record is one file
+  help: name the file itself, one per component"
+    )]
+    LocationIsPattern {
+        /// What was given.
+        location: String,
+    },
+    /// No file of that name.
+    #[error("{}: no such file\n  help: check the spelling; relative paths count from the current folder", path.display())]
+    RecordMissing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A folder where a file was meant.
+    #[error("{}: is a folder; a record is one file\n  help: name the file inside it", path.display())]
+    RecordIsFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A pipe, socket or device.
+    #[error("{}: is not a regular file (a pipe, socket or device)\n  help: save the record to a file first", path.display())]
+    RecordNotRegular {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The system refused to open or read the file.
+    #[error("{}: cannot be read: {source}", path.display())]
+    RecordUnreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// More bytes than the limit.
+    #[error("{}: {bytes} bytes, above the limit of {limit} bytes for one record
+  help: cut the part of interest out of the file, or raise Limits::file_bytes", path.display())]
+    RecordTooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// No bytes at all.
+    #[error("{}: the file is empty", path.display())]
+    RecordEmpty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// `obspy:` names something outside the installed package.
+    #[error("{location}: must be a relative path inside the installed ObsPy package, without `..` or links that leave it
+  help: for instance obspy:io/nied/tests/data/test.knet")]
+    PackagedOutside {
+        /// What was given.
+        location: String,
+    },
+
+    // ---- what the record is -------------------------------------------------------------------
+    /// The content matches no format of the table.
+    #[error("{}: no known record format; it begins with {beginning}
+  help: formats read here: {known}", path.display())]
+    FormatUnknown {
+        /// The file.
+        path: PathBuf,
+        /// Its first bytes, printable.
+        beginning: String,
+        /// The names of the formats that can be read.
+        known: String,
+    },
+    /// The content is recognised and is never read as a record.
+    #[error("{}: is {what}\n  help: {remedy}", path.display())]
+    FormatRefused {
+        /// The file.
+        path: PathBuf,
+        /// What the file is.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The header or the data contradict the format.
+    #[error("{}: broken {format} file: {problem}\n  help: fetch the file again from its source; a damaged record is not repaired here", path.display())]
+    RecordBroken {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        format: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
+    /// More samples than the limit.
+    #[error("{}: {samples} samples, above the limit of {limit}\n  help: cut the part of interest out of the file, or raise Limits::samples", path.display())]
+    TooManySamples {
+        /// The file.
+        path: PathBuf,
+        /// Samples in the file.
+        samples: u64,
+        /// The limit.
+        limit: u64,
+    },
+
+    /// The file has no channel of the name asked for.
+    #[error("{}: no channel {wanted}\n  help: the file holds {present}", path.display())]
+    ChannelMissing {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for.
+        wanted: String,
+        /// The ids that it holds.
+        present: String,
+    },
+
+    // ---- whether its samples are sound ----------------------------------------------------------
+    /// Samples missing between two segments of one channel.
+    #[error("{} {channel}: gap of {seconds:.6} s: a segment ends at {end}, the next begins at {begin}
+  help: use an unbroken stretch of the record; gaps are not filled", path.display())]
+    Gap {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Last sample before the gap, UTC.
+        end: String,
+        /// First sample after the gap, UTC.
+        begin: String,
+        /// Missing time, s.
+        seconds: f64,
+    },
+    /// Two segments of one channel cover the same time.
+    #[error("{} {channel}: overlap of {seconds:.6} s: a segment ends at {end}, the next begins at {begin}
+  help: remove the doubled segment; overlaps are not merged", path.display())]
+    Overlap {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Last sample of the earlier segment, UTC.
+        end: String,
+        /// First sample of the later segment, UTC.
+        begin: String,
+        /// Doubled time, s.
+        seconds: f64,
+    },
+    /// Two segments of one channel have different steps.
+    #[error("{} {channel}: mixed sampling: step {first} s from {first_begin}, step {second} s from {second_begin}
+  help: split the file at the change and choose one part", path.display())]
+    MixedRates {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// First step, s.
+        first: f64,
+        /// Where it begins, UTC.
+        first_begin: String,
+        /// Second step, s.
+        second: f64,
+        /// Where it begins, UTC.
+        second_begin: String,
+    },
+    /// Too few samples to be a motion.
+    #[error("{} {channel}: {samples} sample(s); a motion needs at least 2", path.display())]
+    TooShort {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Samples found.
+        samples: usize,
+    },
+    /// A step that is not a positive number.
+    #[error("{} {channel}: time step {dt} s; it must be a positive number\n  help: the file's header lacks a valid sampling rate", path.display())]
+    BadStep {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// The step, s.
+        dt: f64,
+    },
+    /// A sample that is not a number.
+    #[error("{} {channel}: sample {index} (at {time:.6} s) is {value}; {count} sample(s) of the channel are not finite
+  help: repair the record at its source; such samples are not replaced", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Index of the first such sample, from 0.
+        index: usize,
+        /// Its time after the first sample, s.
+        time: f64,
+        /// Its value.
+        value: f64,
+        /// How many there are.
+        count: usize,
+    },
+    /// Every sample has the same value.
+    #[error("{} {channel}: dead channel: all {samples} samples are {value}\n  help: choose another component or record", path.display())]
+    DeadChannel {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// How many samples.
+        samples: usize,
+        /// Their common value, as stored.
+        value: f64,
+    },
+    /// The instrument ran into its limit.
+    #[error("{} {channel}: clipped: {count} samples at the extreme value {value} (as stored), {run} of them in a row from {time:.3} s, entered and left at full slope
+  help: choose an unclipped record; if the plateau is meant, set ReadOptions::accept_clipped", path.display())]
+    Clipped {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Samples in a row where it was first noticed.
+        run: usize,
+        /// Samples at that value in the whole channel.
+        count: usize,
+        /// The value, as stored.
+        value: f64,
+        /// Where the run begins, s after the first sample.
+        time: f64,
+    },
+
+    // ---- what its numbers mean ------------------------------------------------------------------
+    /// The file does not say what its numbers mean.
+    #[error("{} {channel}: no unit: {reason}\n  help: give unit = one of {choices}", path.display())]
+    UnitMissing {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Why the file does not tell.
+        reason: String,
+        /// The units that can be given.
+        choices: String,
+    },
+    /// A unit that is not in the list.
+    #[error("unknown unit \"{found}\"\n  help: one of {choices}")]
+    UnitUnknown {
+        /// What was given.
+        found: String,
+        /// The units that can be given.
+        choices: String,
+    },
+    /// Under the file's own unit the peak cannot be a ground motion.
+    #[error("{} {channel}: under the file's own unit ({unit}) the {quantity} peak about the mean is {peak:.3e} {si}, outside {low:e} to {high} {si}
+  help: the header is likely wrong; give unit = what one sample means (for instance unit = \"g\")", path.display())]
+    PeakImplausible {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// The unit that the file states.
+        unit: String,
+        /// The quantity that the file states.
+        quantity: Quantity,
+        /// Peak about the mean, SI.
+        peak: f64,
+        /// SI unit of the quantity.
+        si: &'static str,
+        /// Smallest plausible peak.
+        low: f64,
+        /// Largest plausible peak.
+        high: f64,
+    },
+    /// The file holds another quantity than the one asked for.
+    #[error("{} {channel}: holds {found}, but {expected} was asked for\n  help: say quantity = \"{found}\" (it is then converted in the frequency domain), choose the {expected} channel, or correct the unit if the header is wrong", path.display())]
+    QuantityMismatch {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// What the file holds.
+        found: Quantity,
+        /// What was asked for.
+        expected: Quantity,
+    },
+
+    // ---- the reader process ---------------------------------------------------------------------
+    /// No Python interpreter could be started.
+    #[error("no Python to read records with; tried {tried}
+  help: run `make setup` in hati's folder, or `python3 -m venv .venv && .venv/bin/pip install obspy==1.5.0`, or set HATI_PYTHON to a Python that has ObsPy")]
+    PythonMissing {
+        /// What was tried.
+        tried: String,
+    },
+    /// Python runs but has no ObsPy.
+    #[error("{}: this Python has no usable ObsPy: {reason}
+  help: run `make setup` in hati's folder, or `python3 -m venv .venv && .venv/bin/pip install obspy==1.5.0`, or set HATI_PYTHON to a Python that has ObsPy", python.display())]
+    ObspyMissing {
+        /// The interpreter.
+        python: PathBuf,
+        /// What its import said.
+        reason: String,
+    },
+    /// The reader took longer than allowed and was stopped.
+    #[error("{}: reading took more than {seconds} s and was stopped{stderr}\n  help: raise Limits::time, or use a smaller file", python.display())]
+    ReaderTimeout {
+        /// The interpreter.
+        python: PathBuf,
+        /// The limit, s.
+        seconds: f64,
+        /// The end of what it wrote on stderr, on lines of its own, or nothing.
+        stderr: String,
+    },
+    /// The reader ended or answered in a way it should not.
+    #[error("{}: the record reader failed: {problem}{stderr}", python.display())]
+    ReaderFailed {
+        /// The interpreter.
+        python: PathBuf,
+        /// What happened.
+        problem: String,
+        /// The end of what it wrote on stderr, on lines of its own, or nothing.
+        stderr: String,
+    },
+
+    // ---- motions --------------------------------------------------------------------------------
+    /// A motion without any component.
+    #[error("a motion needs at least one component (x, y or z)")]
+    NoComponent,
+    /// Components that do not fit together.
+    #[error(
+        "components {first} and {second} differ in {what}: {first_value} and {second_value}
+  help: use the components of one recording, cut to the same time and step"
+    )]
+    ComponentsDiffer {
+        /// Name of the first component.
+        first: &'static str,
+        /// Name of the second.
+        second: &'static str,
+        /// What differs.
+        what: &'static str,
+        /// Value in the first.
+        first_value: String,
+        /// Value in the second.
+        second_value: String,
+    },
+    /// A number of a processing step that cannot be used.
+    #[error("{step}: {parameter} = {found}; expected {expected}")]
+    StepParameter {
+        /// The processing step.
+        step: &'static str,
+        /// Its parameter.
+        parameter: &'static str,
+        /// The value given.
+        found: f64,
+        /// What would do.
+        expected: String,
+    },
+}

@@ -1,0 +1,89 @@
+//! The checks: each section is read on its own, and whatever could be read is checked against the rest.
+
+mod motion;
+mod output;
+mod reader;
+mod soil;
+
+pub(super) use reader::Checker;
+
+use super::document::{Table, Value};
+use super::load::Source;
+use super::types::{ACCURACY_ABOVE, ACCURACY_TO, MotionKind, Scene, default_accuracy, default_title};
+use reader::{Bounds, Section};
+
+/// The only version of the format so far.
+const VERSION: i64 = 1;
+
+/// Reads a whole scene; `None` where something that it cannot do without is missing or wrong (and has been reported).
+pub(super) fn scene(cx: &mut Checker<'_>, root: &Table) -> Option<Scene> {
+    let mut top = Section::root(root);
+    version(cx, &mut top);
+    let title = match top.get("title") {
+        None => Some(default_title()),
+        Some(_) => cx.text(&mut top, "title"),
+    };
+    let accuracy = accuracy(cx, &mut top);
+    let motion = motion::read(cx, &mut top);
+    let soil = soil::read(cx, &mut top);
+    let discretisation = output::discretisation(cx, &mut top, soil.layer_count);
+    let output = output::output(cx, &mut top, soil.depth);
+    kind_against_base(cx, &motion, &soil);
+    cx.finish(&top);
+    Some(Scene {
+        version: VERSION as u32,
+        title: title?,
+        accuracy: accuracy?,
+        motion: motion.motion?,
+        soil: soil.soil?,
+        discretisation: discretisation?,
+        output: output?,
+        source: Source::default(),
+    })
+}
+
+fn version(cx: &mut Checker<'_>, top: &mut Section<'_>) {
+    let help = "write version = 1";
+    match top.get("version").map(|n| &n.value) {
+        None => cx.missing(top, "version", help),
+        Some(Value::Integer(VERSION)) => {}
+        Some(Value::Integer(other)) => {
+            cx.error(top.at("version"), format!("this program reads version {VERSION}, found {other}"), help)
+        }
+        Some(other) => cx.wrong_type(top.at("version"), other, "the whole number 1", help),
+    }
+}
+
+fn accuracy(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Option<f64> {
+    let bounds = Bounds { above: Some(ACCURACY_ABOVE), to: Some(ACCURACY_TO), ..Bounds::any("") };
+    match top.get("accuracy") {
+        None => Some(default_accuracy()),
+        Some(_) => cx.number(top, "accuracy", &bounds),
+    }
+}
+
+/// What the place of the motion demands of the base.
+fn kind_against_base(cx: &mut Checker<'_>, motion: &motion::Read, soil: &soil::Read) {
+    let (Some((kind, place)), Some(true)) = (&motion.kind, soil.rigid) else {
+        return;
+    };
+    match kind {
+        MotionKind::Outcrop => cx.error(
+            place.clone(),
+            "an outcrop motion has no meaning over a rigid base: nothing radiates into it",
+            "use kind = \"within\", or give the base as elastic with vs and rho",
+        ),
+        MotionKind::Surface if soil.undamped == Some(true) => cx.error(
+            place.clone(),
+            "a surface motion over a rigid base without damping cannot be carried down: at each resonance of the \
+             column the surface moves without its base",
+            "give the layers damping, or the base as elastic with vs and rho",
+        ),
+        MotionKind::Within if soil.undamped == Some(true) => cx.warn(
+            soil.base_place.clone().unwrap_or_else(|| place.clone()),
+            "no layer is damped and the base is rigid: resonances grow without bound as long as the motion lasts",
+            "give the layers damping, or the base as elastic with vs and rho",
+        ),
+        MotionKind::Surface | MotionKind::Within => {}
+    }
+}

@@ -1,0 +1,415 @@
+//! `[motion]`: where it was recorded, its components, its processing.
+
+use crate::motion::Quantity;
+use crate::records::Unit;
+
+use super::super::diagnostic::{plain, rounded};
+use super::super::document::{Node, Value};
+use super::super::files;
+use super::super::types::{
+    Band, Component, Motion, MotionKind, Offset, RecordFile, Scale, Synthetic, default_quantity,
+};
+use super::super::wavelet::{Wavelet, WaveletKind};
+use super::reader::{Bounds, Checker, Place, Section};
+
+/// Most samples of a wavelet: a day at 100 Hz.
+const MAX_SAMPLES: f64 = 1e7;
+
+/// The section, and what other sections are checked against.
+#[derive(Default)]
+pub(super) struct Read {
+    pub(super) motion: Option<Motion>,
+    pub(super) kind: Option<(MotionKind, Place)>,
+}
+
+/// A component that could be read, with its place.
+type Placed = Option<(Component, Place)>;
+
+pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
+    if top.get("motion").is_none() {
+        cx.missing(top, "motion", "write a section [motion] with kind and a component [motion.x]");
+        return Read::default();
+    }
+    let Some(mut section) = cx.table(top, "motion") else {
+        return Read::default();
+    };
+    let s = &mut section;
+    let kind = cx.required_word::<MotionKind>(s, "kind");
+    let quantity = match s.get("quantity") {
+        None => Some(default_quantity()),
+        Some(_) => cx.word::<Quantity>(s, "quantity"),
+    };
+    // The outer `Option` is "could be read", the inner one the format's own.
+    let scale = match s.get("scale") {
+        None => Some(None),
+        Some(node) => scale(cx, node, s.at("scale")).map(Some),
+    };
+    let band = match s.get("band") {
+        None => Some(Band::default()),
+        Some(node) => band(cx, node, s.at("band")),
+    };
+    let offset = match s.get("offset") {
+        None => Some(Offset::default()),
+        Some(node) => offset(cx, node, s.at("offset")),
+    };
+    let given = ["x", "y", "z"].map(|axis| s.get(axis).is_some());
+    if given == [false; 3] {
+        cx.missing(
+            s,
+            "x",
+            "give at least one component: [motion.x], [motion.y] or [motion.z] with file or wavelet",
+        );
+    }
+    let [x, y, z] = ["x", "y", "z"].map(|axis| component(cx, s, axis, quantity));
+    same_time_axis(cx, [&x, &y, &z]);
+    if let Some(band) = band {
+        band_of_wavelets(cx, band, [&x, &y, &z], s.at("band"));
+    }
+    cx.finish(s);
+    let complete = [&x, &y, &z].iter().zip(given).all(|(c, given)| c.is_some() == given);
+    let place = s.at("kind");
+    let motion = match (kind, quantity, scale, band, offset) {
+        (Some(kind), Some(quantity), Some(scale), Some(band), Some(offset)) if complete => Some(Motion {
+            kind,
+            quantity,
+            scale,
+            band,
+            offset,
+            x: x.map(|c| c.0),
+            y: y.map(|c| c.0),
+            z: z.map(|c| c.0),
+        }),
+        _ => None,
+    };
+    Read { motion, kind: kind.map(|k| (k, place)) }
+}
+
+fn scale(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Scale> {
+    let expected = "a table { factor = … } or { pga = … }";
+    let Value::Table(table) = &node.value else {
+        let help = match node.value {
+            Value::Integer(_) | Value::Float(_) => "for a factor write { factor = … }",
+            _ => "",
+        };
+        cx.wrong_type(place, &node.value, expected, help);
+        return None;
+    };
+    let mut s = Section::new(table, place);
+    let factor = cx.number(&mut s, "factor", &Bounds::any(""));
+    let pga = cx.number(&mut s, "pga", &Bounds::positive("m/s²"));
+    let one = cx.only_one(&s, "factor", "pga", "");
+    if !s.has("factor") && !s.has("pga") {
+        cx.error(s.place.clone(), "expected `factor` or `pga` in the table", "");
+    }
+    cx.finish(&s);
+    match (factor, pga) {
+        (Some(0.0), _) => {
+            cx.error(
+                s.at("factor"),
+                "the factor is 0, which leaves no motion",
+                "leave the component out instead",
+            );
+            None
+        }
+        (Some(factor), None) if one => Some(Scale::Factor(factor)),
+        (None, Some(pga)) if one => {
+            if pga > 50.0 {
+                cx.warn(
+                    s.at("pga"),
+                    format!("{} m/s² is more than five times gravity", plain(pga)),
+                    "pga is in m/s²",
+                );
+            }
+            Some(Scale::Pga(pga))
+        }
+        _ => None,
+    }
+}
+
+fn band(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Band> {
+    const OR: &str = "two frequencies [f_min, f_max] in Hz";
+    match &node.value {
+        Value::String(s) if s == "auto" => Some(Band::Auto),
+        Value::String(s) if s == "full" => Some(Band::Full),
+        Value::String(s) => {
+            cx.unknown_word(place, s, &["auto", "full"], OR);
+            None
+        }
+        Value::List(list) => {
+            let mut f = list.iter().enumerate().map(|(i, n)| {
+                let place = Place { path: format!("{}[{}]", place.path, i + 1), at: n.at };
+                cx.number_of(n, place, &Bounds::positive("Hz"))
+            });
+            let ends = (f.next(), f.next(), f.count());
+            match ends {
+                (Some(Some(low)), Some(Some(high)), 0) if low < high => Some(Band::Range([low, high])),
+                (Some(Some(low)), Some(Some(high)), 0) => {
+                    let message =
+                        format!("f_min = {} Hz is not below f_max = {} Hz", plain(low), plain(high));
+                    cx.error(place, message, "write the lower frequency first");
+                    None
+                }
+                (Some(_), Some(_), 0) => None,
+                _ => {
+                    cx.error(place, format!("expected {OR}, found a list of {}", list.len()), "");
+                    None
+                }
+            }
+        }
+        other => {
+            cx.wrong_type(place, other, &format!("\"auto\", \"full\" or {OR}"), "");
+            None
+        }
+    }
+}
+
+fn offset(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Offset> {
+    const OR: &str = "a table { first_seconds = … }";
+    match &node.value {
+        Value::String(s) if s == "mean" => Some(Offset::Mean),
+        Value::String(s) if s == "none" => Some(Offset::None),
+        Value::String(s) => {
+            cx.unknown_word(place, s, &["mean", "none"], OR);
+            None
+        }
+        Value::Table(table) => {
+            let mut s = Section::new(table, place);
+            let first_seconds = cx.required_number(&mut s, "first_seconds", &Bounds::positive("s"));
+            cx.finish(&s);
+            first_seconds.map(|first_seconds| Offset::First { first_seconds })
+        }
+        other => {
+            cx.wrong_type(place, other, &format!("\"mean\", \"none\" or {OR}"), "");
+            None
+        }
+    }
+}
+
+fn component(
+    cx: &mut Checker<'_>,
+    motion: &mut Section<'_>,
+    axis: &'static str,
+    quantity: Option<Quantity>,
+) -> Placed {
+    let mut section = cx.table(motion, axis)?;
+    let s = &mut section;
+    let file = s.get("file");
+    let wavelet = s.get("wavelet");
+    let unit = match s.get("unit") {
+        None => Some(None),
+        Some(_) => cx.word::<Unit>(s, "unit").map(Some),
+    };
+    let channel = match s.get("channel") {
+        None => Some(None),
+        Some(_) => cx.text(s, "channel").map(Some),
+    };
+    let one = cx.only_one(s, "file", "wavelet", "a component is either a record or a synthetic pulse");
+    if file.is_none() && wavelet.is_none() {
+        cx.missing(s, "file", "give `file` with a record, or `wavelet` with a synthetic pulse");
+    }
+    if let (Some(Some(unit)), Some(quantity)) = (unit, quantity)
+        && unit.quantity() != quantity
+    {
+        let message = format!("{unit} is a unit of {}, but motion.quantity is {quantity}", unit.quantity(),);
+        let help = format!("set motion.quantity = \"{}\", or correct the unit", unit.quantity());
+        cx.error(s.at("unit"), message, &help);
+    }
+    let place =
+        Place { path: s.place.path.clone(), at: s.at(if wavelet.is_some() { "wavelet" } else { "file" }).at };
+    let read = match (file, wavelet) {
+        (Some(node), None) => file_name(cx, node, s.at("file"))
+            .and_then(|file| Some(Component::Record(RecordFile { file, unit: unit?, channel: channel? }))),
+        (None, Some(node)) => {
+            for key in ["unit", "channel"] {
+                if s.has(key) {
+                    cx.error(
+                        s.at(key),
+                        "belongs to a file; a wavelet is in SI units and has no channels",
+                        "take it out",
+                    );
+                }
+            }
+            wavelet_of(cx, node, s.at("wavelet")).map(|wavelet| Component::Synthetic(Synthetic { wavelet }))
+        }
+        _ => None,
+    };
+    cx.finish(s);
+    read.filter(|_| one).map(|c| (c, place))
+}
+
+fn file_name(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<String> {
+    let file = cx.text_of(node, place.clone())?;
+    match files::record(&cx.folder, file) {
+        Ok(()) => Some(file.to_owned()),
+        Err(problem) => {
+            cx.error(place, problem.message, problem.help.as_deref().unwrap_or_default());
+            None
+        }
+    }
+}
+
+fn wavelet_of(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Wavelet> {
+    let Value::Table(table) = &node.value else {
+        cx.wrong_type(place, &node.value, "a table { kind = …, frequency = …, … }", "");
+        return None;
+    };
+    let before = cx.found.len();
+    let mut section = Section::new(table, place);
+    let s = &mut section;
+    let kind = cx.required_word::<WaveletKind>(s, "kind");
+    let frequency = cx.required_number(s, "frequency", &Bounds::positive("Hz"));
+    let amplitude = cx.required_number(s, "amplitude", &Bounds::any(""));
+    let time = cx.required_number(s, "time", &Bounds::at_least(0.0, "s"));
+    let dt = cx.required_number(s, "dt", &Bounds::positive("s"));
+    let duration = cx.required_number(s, "duration", &Bounds::positive("s"));
+    let cycles = cx.number(s, "cycles", &Bounds::positive(""));
+    match kind {
+        Some(WaveletKind::SineBurst) if !s.has("cycles") => {
+            cx.missing(s, "cycles", "a sine_burst needs its number of periods, for instance cycles = 5");
+        }
+        Some(kind) if kind != WaveletKind::SineBurst && s.has("cycles") => {
+            cx.error(s.at("cycles"), format!("a {} pulse has no cycles", kind.as_str()), "take it out");
+        }
+        _ => {}
+    }
+    if amplitude == Some(0.0) {
+        cx.error(
+            s.at("amplitude"),
+            "the amplitude is 0, which leaves no motion",
+            "leave the component out instead",
+        );
+    }
+    sampling(cx, s, frequency, dt, duration);
+    if let (Some(time), Some(duration)) = (time, duration)
+        && time > duration
+    {
+        let message =
+            format!("the pulse at {} s comes after the motion's end at {} s", plain(time), plain(duration));
+        cx.error(s.at("time"), message, "");
+    }
+    cx.finish(s);
+    // Nothing more can be said about a pulse that is wrong in itself.
+    if cx.found.len() > before {
+        return None;
+    }
+    let wavelet = Wavelet {
+        kind: kind?,
+        frequency: frequency?,
+        amplitude: amplitude?,
+        time: time?,
+        dt: dt?,
+        duration: duration?,
+        cycles,
+    };
+    shape(cx, s, &wavelet);
+    Some(wavelet)
+}
+
+/// The step against the pulse's frequency and the motion's length.
+fn sampling(
+    cx: &mut Checker<'_>,
+    s: &Section<'_>,
+    frequency: Option<f64>,
+    dt: Option<f64>,
+    duration: Option<f64>,
+) {
+    let Some(dt) = dt else { return };
+    if let Some(f) = frequency
+        && f >= 0.4 / dt
+    {
+        let message = format!(
+            "{} Hz is not below 0.4/dt = {} Hz (the Nyquist frequency is {} Hz)",
+            plain(f),
+            rounded(0.4 / dt),
+            rounded(0.5 / dt)
+        );
+        cx.error(s.at("frequency"), message, "lower the frequency or dt");
+    }
+    let Some(duration) = duration else { return };
+    if duration < dt {
+        let message =
+            format!("the motion of {} s is shorter than its step of {} s", plain(duration), plain(dt));
+        cx.error(s.at("duration"), message, "");
+    } else if duration / dt > MAX_SAMPLES {
+        let message =
+            format!("duration/dt = {} samples are too many (limit {MAX_SAMPLES:e})", rounded(duration / dt));
+        cx.error(s.at("duration"), message, "raise dt or shorten the motion");
+    }
+}
+
+/// Warnings about a pulse that its sampling or its time cuts.
+fn shape(cx: &mut Checker<'_>, s: &Section<'_>, w: &Wavelet) {
+    let reach = match w.kind {
+        WaveletKind::Ricker => 3.0 * w.frequency,
+        WaveletKind::Gaussian | WaveletKind::SineBurst => w.frequency,
+    };
+    if reach > 0.5 / w.dt {
+        let message = format!(
+            "the spectrum of a Ricker pulse of {} Hz reaches to {} Hz, above the Nyquist frequency {} Hz",
+            plain(w.frequency),
+            rounded(reach),
+            rounded(0.5 / w.dt)
+        );
+        cx.warn(s.at("dt"), message, &format!("dt = {} s holds it", rounded(0.5 / reach)));
+    }
+    let half = w.half_width();
+    if w.time < half || w.duration - w.time < half {
+        let message = format!(
+            "the motion cuts the pulse, which lasts from {} s to {} s",
+            rounded(w.time - half),
+            rounded(w.time + half)
+        );
+        let help = format!(
+            "time = {} s or later, and duration at least {} s beyond it",
+            rounded(half),
+            rounded(half)
+        );
+        cx.warn(s.at("time"), message, &help);
+    }
+}
+
+/// All wavelets of a scene have one time axis.
+fn same_time_axis(cx: &mut Checker<'_>, components: [&Placed; 3]) {
+    let mut first: Option<(&Wavelet, &Place)> = None;
+    for (component, place) in components.into_iter().flatten() {
+        let Component::Synthetic(Synthetic { wavelet }) = component else {
+            continue;
+        };
+        let Some((other, other_place)) = first else {
+            first = Some((wavelet, place));
+            continue;
+        };
+        let pairs = [("dt", wavelet.dt, other.dt), ("duration", wavelet.duration, other.duration)];
+        for (key, mine, theirs) in pairs.into_iter().filter(|p| p.1 != p.2) {
+            let place = Place { path: format!("{}.wavelet.{key}", place.path), at: place.at };
+            let message = format!(
+                "{} s differs from {}.wavelet.{key} = {} s; the components share one time axis",
+                plain(mine),
+                other_place.path,
+                plain(theirs)
+            );
+            cx.error(place, message, "give both the same value");
+        }
+    }
+}
+
+/// A band that a wavelet's sampling cannot hold.
+fn band_of_wavelets(cx: &mut Checker<'_>, band: Band, components: [&Placed; 3], place: Place) {
+    let Band::Range([_, f_max]) = band else { return };
+    for (component, _) in components.into_iter().flatten() {
+        let Component::Synthetic(Synthetic { wavelet }) = component else {
+            continue;
+        };
+        let nyquist = 0.5 / wavelet.dt;
+        if f_max > nyquist {
+            let message = format!(
+                "f_max = {} Hz is above the Nyquist frequency {} Hz of a wavelet with dt = {} s",
+                plain(f_max),
+                rounded(nyquist),
+                plain(wavelet.dt)
+            );
+            cx.error(place, message, "lower f_max or the wavelet's dt");
+            return;
+        }
+    }
+}

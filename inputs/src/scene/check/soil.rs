@@ -1,0 +1,298 @@
+//! `[soil]`: layers, base and their elastic constants.
+
+use super::super::diagnostic::{listed, plain, rounded};
+use super::super::document::{Node, Value};
+use super::super::types::{Base, DAMPING_TO, Layer, Q_FROM, Soil};
+use super::super::values::{nu_from_speeds, vp_from_nu};
+use super::reader::{Bounds, Checker, Place, Section};
+
+/// The section, and what other sections are checked against; `None` where it could not be read.
+#[derive(Default)]
+pub(super) struct Read {
+    pub(super) soil: Option<Soil>,
+    /// Number of layers that are written, rightly or wrongly.
+    pub(super) layer_count: Option<usize>,
+    /// Depth of the column, m.
+    pub(super) depth: Option<f64>,
+    /// Whether the base is rigid.
+    pub(super) rigid: Option<bool>,
+    /// Whether no layer has damping of shear waves.
+    pub(super) undamped: Option<bool>,
+    pub(super) base_place: Option<Place>,
+}
+
+const NU: Bounds = Bounds { below: Some(0.5), ..Bounds::at_least(0.0, "") };
+const DAMPING: Bounds = Bounds::between(0.0, DAMPING_TO, "");
+const Q: Bounds = Bounds::at_least(Q_FROM, "");
+
+pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
+    if top.get("soil").is_none() {
+        cx.missing(top, "soil", "write [[soil.layer]] for each layer and [soil.base] for what they stand on");
+        return Read::default();
+    }
+    let Some(mut section) = cx.table(top, "soil") else {
+        return Read::default();
+    };
+    let s = &mut section;
+    let reference_frequency = cx.auto_number(s, "reference_frequency", &Bounds::positive("Hz"));
+    let mut read = Read::default();
+    let mut layers = None;
+    if let Some(nodes) = layer_nodes(cx, s) {
+        let all: Vec<LayerRead> = nodes
+            .iter()
+            .enumerate()
+            .map(|(i, node)| {
+                let place = Place { path: format!("soil.layer[{}]", i + 1), at: node.at };
+                layer(cx, node, place)
+            })
+            .collect();
+        read.layer_count = Some(all.len());
+        read.depth = all.iter().map(|l| l.thickness).sum();
+        read.undamped = undamped(&all);
+        layers = all.into_iter().map(|l| l.layer).collect::<Option<Vec<Layer>>>();
+    }
+    let base = base(cx, s, &mut read);
+    cx.finish(s);
+    read.soil = match (reference_frequency, layers, base) {
+        (Some(reference_frequency), Some(layer), Some(base)) => {
+            Some(Soil { reference_frequency, layer, base })
+        }
+        _ => None,
+    };
+    read
+}
+
+/// Whether no layer is damped; `None` where a layer's damping could not be read and none of the others has any.
+fn undamped(layers: &[LayerRead]) -> Option<bool> {
+    if layers.iter().any(|l| l.damped == Some(true)) {
+        return Some(false);
+    }
+    layers.iter().all(|l| l.damped.is_some()).then_some(true)
+}
+
+/// The entries of `[[soil.layer]]`; at least one.
+fn layer_nodes<'n>(cx: &mut Checker<'_>, s: &mut Section<'n>) -> Option<&'n [Node]> {
+    let help = "write [[soil.layer]] with thickness, vs and rho for each layer, from the surface down";
+    let Some(node) = s.get("layer") else {
+        cx.missing(s, "layer", help);
+        return None;
+    };
+    match &node.value {
+        Value::List(list) if list.is_empty() => {
+            cx.error(s.at("layer"), "there is no layer", help);
+            None
+        }
+        Value::List(list) => Some(list),
+        Value::Table(_) => {
+            let message = "expected a list of layers, found a table";
+            cx.error(s.at("layer"), message, "write [[soil.layer]] with two brackets, once per layer");
+            None
+        }
+        other => {
+            cx.wrong_type(s.at("layer"), other, "a list of layers", help);
+            None
+        }
+    }
+}
+
+/// A layer as far as it could be read.
+#[derive(Default)]
+struct LayerRead {
+    layer: Option<Layer>,
+    thickness: Option<f64>,
+    damped: Option<bool>,
+}
+
+fn layer(cx: &mut Checker<'_>, node: &Node, place: Place) -> LayerRead {
+    let Value::Table(table) = &node.value else {
+        let help = "a layer looks like { thickness = 5.0, vs = 150.0, rho = 1800.0 }";
+        cx.wrong_type(place, &node.value, "a table", help);
+        return LayerRead::default();
+    };
+    let mut section = Section::new(table, place);
+    let s = &mut section;
+    let name = match s.get("name") {
+        None => Some(None),
+        Some(_) => cx.text(s, "name").map(Some),
+    };
+    let thickness = cx.required_number(s, "thickness", &Bounds::positive("m"));
+    let medium = medium(cx, s);
+    let (damping, q) = loss(cx, s, "damping", "q");
+    let (damping_p, q_p) = loss(cx, s, "damping_p", "q_p");
+    let ratio = |d: Option<f64>, q: Option<f64>| d.or(q.map(|q| 0.5 / q));
+    let readable = (!s.has("damping") || damping.is_some()) && (!s.has("q") || q.is_some());
+    let damped = readable.then(|| ratio(damping, q).is_some_and(|d| d > 0.0));
+    if let (Some(m), Some(d), Some(d_p)) = (&medium, ratio(damping, q), ratio(damping_p, q_p)) {
+        volume_damping(cx, s, m, d, d_p);
+    }
+    let complete =
+        readable && (!s.has("damping_p") || damping_p.is_some()) && (!s.has("q_p") || q_p.is_some());
+    cx.finish(s);
+    let layer = match (name, thickness, medium) {
+        (Some(name), Some(thickness), Some(m)) if complete => Some(Layer {
+            name,
+            thickness,
+            vs: m.vs,
+            vp: m.vp,
+            nu: m.nu,
+            rho: m.rho,
+            damping,
+            q,
+            damping_p,
+            q_p,
+        }),
+        _ => None,
+    };
+    LayerRead { layer, thickness, damped }
+}
+
+/// What layers and half-space have in common.
+struct Medium {
+    vs: f64,
+    rho: f64,
+    vp: Option<f64>,
+    nu: Option<f64>,
+}
+
+fn medium(cx: &mut Checker<'_>, s: &mut Section<'_>) -> Option<Medium> {
+    let vs = cx.required_number(s, "vs", &Bounds::positive("m/s"));
+    let rho = cx.required_number(s, "rho", &Bounds::positive("kg/m³"));
+    let vp = cx.number(s, "vp", &Bounds::positive("m/s"));
+    let nu = cx.number(s, "nu", &NU);
+    let one = cx.only_one(s, "vp", "nu", "the other follows from vs");
+    let mut consistent = true;
+    if let (Some(vs), Some(vp)) = (vs, vp) {
+        consistent = speeds(cx, s, vs, vp);
+    }
+    if let Some(vs) = vs.filter(|v| !(10.0..=6000.0).contains(v)) {
+        let message = format!("{} m/s is unusual for shear waves in the ground", plain(vs));
+        cx.warn(s.at("vs"), message, "vs is in m/s");
+    }
+    if let Some(rho) = rho.filter(|r| !(500.0..=5000.0).contains(r)) {
+        let message = format!("{} kg/m³ is unusual for the ground", plain(rho));
+        let help = if rho < 5.0 {
+            format!("rho is in kg/m³: {} t/m³ is rho = {}", plain(rho), rounded(rho * 1000.0))
+        } else {
+            "rho is in kg/m³".to_owned()
+        };
+        cx.warn(s.at("rho"), message, &help);
+    }
+    let wrong = (s.has("vp") && vp.is_none()) || (s.has("nu") && nu.is_none());
+    (one && consistent && !wrong).then_some(())?;
+    Some(Medium { vs: vs?, rho: rho?, vp, nu })
+}
+
+/// Whether vs ≤ vp/√2, that is ν ≥ 0.
+fn speeds(cx: &mut Checker<'_>, s: &Section<'_>, vs: f64, vp: f64) -> bool {
+    if vs < vp && nu_from_speeds(vs, vp) >= 0.0 {
+        return true;
+    }
+    let limit = vp / 2f64.sqrt();
+    let message =
+        format!("{} m/s is above vp/√2 = {limit:.0} m/s (Poisson's ratio would be negative)", plain(vs));
+    let help = if nu_from_speeds(vp, vs) >= 0.0 && vp < vs {
+        "swap vp and vs, or give nu instead of vp"
+    } else {
+        "raise vp or lower vs, or give nu instead of vp"
+    };
+    cx.error(s.at("vs"), message, help);
+    false
+}
+
+/// One of a damping ratio and a quality factor.
+fn loss(
+    cx: &mut Checker<'_>,
+    s: &mut Section<'_>,
+    ratio: &'static str,
+    quality: &'static str,
+) -> (Option<f64>, Option<f64>) {
+    let before = cx.found.len();
+    let d = cx.number(s, ratio, &DAMPING);
+    // A number that is too large is most likely a percentage.
+    if let Some(Value::Integer(_) | Value::Float(_)) = s.get(ratio).map(|n| &n.value)
+        && let Some(found) = cx.found.get_mut(before)
+    {
+        found.help = Some("damping is a ratio: 2 % is 0.02".to_owned());
+    }
+    let q = cx.number(s, quality, &Q);
+    let one = cx.only_one(s, ratio, quality, "D = 1/(2Q)");
+    if one { (d, q) } else { (None, None) }
+}
+
+/// A P-wave damping so small that changes of volume would gain energy.
+///
+/// With M = K + 4G/3, the loss of the bulk modulus is Im K = 2 M D_p − (4/3)·2 G D_s, negative below
+/// D_p = (4/3)(vs/vp)² D_s.
+fn volume_damping(cx: &mut Checker<'_>, s: &Section<'_>, m: &Medium, d: f64, d_p: f64) {
+    let vp = m.vp.unwrap_or_else(|| vp_from_nu(m.vs, m.nu.unwrap_or(super::super::types::DEFAULT_NU)));
+    let least = 4.0 / 3.0 * (m.vs / vp).powi(2) * d;
+    if d_p < least * (1.0 - 1e-9) {
+        let key = if s.has("q_p") { "q_p" } else { "damping_p" };
+        let message = format!(
+            "a P-wave damping of {} is below (4/3)(vs/vp)²·damping = {}: changes of volume alone would gain energy",
+            rounded(d_p),
+            rounded(least)
+        );
+        let help = "harmless for waves straight up and down; leave damping_p out to take that of shear waves";
+        cx.warn(s.at(key), message, help);
+    }
+}
+
+fn base(cx: &mut Checker<'_>, soil: &mut Section<'_>, read: &mut Read) -> Option<Base> {
+    const KINDS: [&str; 2] = ["elastic", "rigid"];
+    if soil.get("base").is_none() {
+        cx.missing(
+            soil,
+            "base",
+            "write [soil.base] with kind = \"elastic\", vs and rho, or with kind = \"rigid\"",
+        );
+        return None;
+    }
+    let mut section = cx.table(soil, "base")?;
+    let s = &mut section;
+    read.base_place = Some(s.place.clone());
+    let kind = match s.get("kind").map(|n| &n.value) {
+        None => {
+            let help = format!("give `kind` as {}", listed(&KINDS, "\""));
+            cx.missing(s, "kind", &help);
+            None
+        }
+        Some(Value::String(word)) => {
+            let known = KINDS.into_iter().find(|k| k == word);
+            if known.is_none() {
+                cx.unknown_word(s.at("kind"), word, &KINDS, "");
+            }
+            known
+        }
+        Some(other) => {
+            cx.wrong_type(s.at("kind"), other, &listed(&KINDS, "\""), "");
+            None
+        }
+    };
+    read.rigid = kind.map(|k| k == "rigid");
+    if kind == Some("rigid") {
+        for key in ["vs", "rho", "nu", "vp"] {
+            if s.get(key).is_some() {
+                cx.error(s.at(key), "a rigid base has no such key", "take it out, or set kind = \"elastic\"");
+            }
+        }
+        cx.finish(s);
+        return Some(Base::Rigid);
+    }
+    // Without a known kind the numbers are read as an elastic base's, unless there are none.
+    let any = ["vs", "rho", "nu", "vp"].into_iter().any(|k| s.has(k));
+    let m = if kind.is_some() || any { medium(cx, s) } else { None };
+    for key in ["damping", "q", "thickness"] {
+        if s.has(key) {
+            s.get(key);
+            cx.error(
+                s.at(key),
+                "an elastic base has no such key: it is a half-space without damping",
+                "take it out",
+            );
+        }
+    }
+    cx.finish(s);
+    kind?;
+    m.map(|m| Base::Elastic { vs: m.vs, rho: m.rho, nu: m.nu, vp: m.vp })
+}

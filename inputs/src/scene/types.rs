@@ -1,0 +1,370 @@
+//! The scene's tables as types. The comments on the fields are the text of the reference page.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::motion::Quantity;
+use crate::records::Unit;
+
+use super::load::Source;
+use super::wavelet::Wavelet;
+
+/// A value that the program chooses unless the scene gives it: the word `"auto"` or the value itself.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum Auto<T> {
+    /// Left to the program, which says what it chose and why.
+    #[default]
+    Auto,
+    /// Given by the user.
+    #[serde(untagged)]
+    Value(T),
+}
+
+impl<T> Auto<T> {
+    /// The given value, if there is one.
+    pub fn value(&self) -> Option<&T> {
+        match self {
+            Self::Auto => None,
+            Self::Value(v) => Some(v),
+        }
+    }
+
+    /// True where the choice is the program's.
+    pub fn is_auto(&self) -> bool {
+        matches!(self, Self::Auto)
+    }
+}
+
+/// A site-response scene: a motion, a layered soil over a half-space or a rigid base, and what to compute.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Version of this format.
+    #[schemars(extend("const" = 1))]
+    pub version: u32,
+    /// Name of the scene in reports and files.
+    #[serde(default = "default_title")]
+    pub title: String,
+    /// Relative L2 error asked for, over time and inside the band, of the acceleration at every station, against
+    /// the converged solution of the same model.
+    #[serde(default = "default_accuracy")]
+    #[schemars(extend("exclusiveMinimum" = ACCURACY_ABOVE, "maximum" = ACCURACY_TO, "x-unit" = "1"))]
+    pub accuracy: f64,
+    /// The motion that drives the scene: at least one of the components x, y (horizontal) and z (up).
+    pub motion: Motion,
+    /// The ground, from the surface down.
+    pub soil: Soil,
+    /// Numerical choices; all may be left out.
+    #[serde(default)]
+    pub discretisation: Discretisation,
+    /// What to write.
+    #[serde(default)]
+    pub output: Output,
+    /// Where the scene came from and which keys its author wrote; not part of the format.
+    #[serde(skip)]
+    pub source: Source,
+}
+
+/// Lower limit of `accuracy`, itself excluded.
+pub(super) const ACCURACY_ABOVE: f64 = 1e-6;
+/// Upper limit of `accuracy`.
+pub(super) const ACCURACY_TO: f64 = 0.3;
+/// Largest damping ratio.
+pub(super) const DAMPING_TO: f64 = 0.3;
+/// Smallest quality factor, 1/(2·0.3) rounded up so that the damping stays in its range.
+pub(super) const Q_FROM: f64 = 5.0 / 3.0;
+/// Poisson's ratio of a layer that gives neither `nu` nor `vp`.
+pub const DEFAULT_NU: f64 = 0.25;
+
+pub(super) fn default_title() -> String {
+    "untitled".to_owned()
+}
+
+pub(super) fn default_accuracy() -> f64 {
+    1e-2
+}
+
+pub(super) fn default_quantity() -> Quantity {
+    Quantity::Acceleration
+}
+
+/// Where the motion was recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionKind {
+    /// On rock at the surface: twice the wave that rises in the half-space. Needs an elastic base.
+    Outcrop,
+    /// At the top of the half-space under the soil, where up- and downgoing waves add.
+    Within,
+    /// At the soil's surface; the input at depth is found by going down the column.
+    Surface,
+}
+
+/// One factor for all components of the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Scale {
+    /// multiply by this number; it may be negative, not zero
+    Factor(f64),
+    /// scale so that the acceleration of the largest component has this peak, m/s²
+    Pga(f64),
+}
+
+/// Frequency band in which the run has to be accurate.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Band {
+    /// the band outside which the record's energy does not matter at the accuracy asked
+    #[default]
+    Auto,
+    /// all that the record holds, up to its Nyquist frequency
+    Full,
+    /// lowest and highest frequency, 0 < f_min < f_max
+    #[serde(untagged)]
+    Range([f64; 2]),
+}
+
+/// Constant offset to take off the motion.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Offset {
+    /// the mean over the whole record
+    #[default]
+    Mean,
+    /// nothing
+    None,
+    /// the mean over this time from the start, s
+    #[serde(untagged)]
+    First {
+        /// Length of the time to average over, above 0 s.
+        first_seconds: f64,
+    },
+}
+
+/// The motion that drives the scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// Where the motion was recorded.
+    pub kind: MotionKind,
+    /// What the files hold.
+    #[serde(default = "default_quantity")]
+    pub quantity: Quantity,
+    /// One factor for all components.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "not scaled"))]
+    pub scale: Option<Scale>,
+    /// Frequency band in which the run has to be accurate.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "Hz"))]
+    pub band: Band,
+    /// Constant offset to take off each component before anything else.
+    #[serde(default)]
+    pub offset: Offset,
+    /// Horizontal component along x.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "at rest"))]
+    pub x: Option<Component>,
+    /// Horizontal component along y.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "at rest"))]
+    pub y: Option<Component>,
+    /// Vertical component, positive up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "at rest"))]
+    pub z: Option<Component>,
+}
+
+/// One component of the motion: a record's file or a synthetic pulse.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(extend("x-section" = true))]
+pub enum Component {
+    /// From a file.
+    Record(RecordFile),
+    /// From a closed form.
+    Synthetic(Synthetic),
+}
+
+/// A component read from a record's file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RecordFile {
+    /// Path of the record, relative to the scene's folder; `obspy:PATH` names a file inside the installed ObsPy
+    /// package. Give either `file` or `wavelet`.
+    #[schemars(extend("x-default" = "this or `wavelet`"))]
+    pub file: String,
+    /// Unit of one sample, in place of what the file says; it has to be a unit of `motion.quantity`. For a file
+    /// of counts it says what one count means, and the file's own calibration is not used. `gal` is 1 cm/s², `g` is
+    /// 9.80665 m/s², `g/10` a tenth of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "from the file"))]
+    pub unit: Option<Unit>,
+    /// Channel to take where the file holds several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the only one"))]
+    pub channel: Option<String>,
+}
+
+/// A component with a closed form.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Synthetic {
+    /// A pulse with a closed form; no Python is needed for it. All wavelets of a scene share `dt` and `duration`.
+    #[schemars(extend("x-default" = "this or `file`"))]
+    pub wavelet: Wavelet,
+}
+
+/// The ground.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Soil {
+    /// Frequency at which the layers' speeds hold; the causal damping law stiffens above it and softens below.
+    /// `"auto"` takes the geometric mean of the band.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "Hz"))]
+    pub reference_frequency: Auto<f64>,
+    /// Layers from the surface down, at least one.
+    #[schemars(extend("minItems" = 1))]
+    pub layer: Vec<Layer>,
+    /// What the layers stand on.
+    pub base: Base,
+}
+
+/// One soil layer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Layer {
+    /// Name in reports and stations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "`layer 1`, `layer 2`, …"))]
+    pub name: Option<String>,
+    /// Thickness.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+    pub thickness: f64,
+    /// Speed of shear waves at the reference frequency; at most vp/√2.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s"))]
+    pub vs: f64,
+    /// Speed of P waves. Give `vp` or `nu`, not both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s", "x-default" = "from `nu`"))]
+    pub vp: Option<f64>,
+    /// Poisson's ratio; 0.25 where neither `nu` nor `vp` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 0.5, "x-unit" = "1", "x-default" = "0.25, or from `vp`"))]
+    pub nu: Option<f64>,
+    /// Density.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "kg/m³"))]
+    pub rho: f64,
+    /// Damping ratio D = Im G/(2 Re G) of shear waves, constant over the band. Give `damping` or `q`, not both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0.0, "maximum" = DAMPING_TO, "x-unit" = "1", "x-default" = "0, or from `q`"))]
+    pub damping: Option<f64>,
+    /// Quality factor of shear waves, D = 1/(2Q).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = Q_FROM, "x-unit" = "1", "x-default" = "from `damping`"))]
+    pub q: Option<f64>,
+    /// Damping ratio of P waves. Give `damping_p` or `q_p`, not both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0.0, "maximum" = DAMPING_TO, "x-unit" = "1", "x-default" = "as for shear waves"))]
+    pub damping_p: Option<f64>,
+    /// Quality factor of P waves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = Q_FROM, "x-unit" = "1", "x-default" = "from `damping_p`"))]
+    pub q_p: Option<f64>,
+}
+
+/// What the layers stand on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(extend("x-section" = true))]
+pub enum Base {
+    /// An elastic half-space, which lets downgoing waves out: impedances ρ·vs and ρ·vp.
+    Elastic {
+        /// Speed of shear waves.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s"))]
+        vs: f64,
+        /// Density.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "kg/m³"))]
+        rho: f64,
+        /// Poisson's ratio; 0.25 where neither `nu` nor `vp` is given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 0.5, "x-unit" = "1", "x-default" = "0.25, or from `vp`"))]
+        nu: Option<f64>,
+        /// Speed of P waves. Give `vp` or `nu`, not both.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s", "x-default" = "from `nu`"))]
+        vp: Option<f64>,
+    },
+    /// A rigid base that follows the motion and reflects every wave; it takes no other key.
+    Rigid,
+}
+
+/// Numerical choices.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Discretisation {
+    /// Polynomial order of the elements.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 1, "maximum" = 10, "x-unit" = "1"))]
+    pub order: Auto<usize>,
+    /// Number of elements of each layer, from the surface down: one count of at least 1 per layer.
+    #[serde(default)]
+    #[schemars(with = "Auto<Vec<std::num::NonZeroUsize>>")]
+    pub elements: Auto<Vec<usize>>,
+    /// Time step; it has to be stable, which the plan checks.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "s"))]
+    pub dt: Auto<f64>,
+    /// Number of relaxation mechanisms that represent the damping over the band.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 1, "maximum" = 8, "x-unit" = "1"))]
+    pub mechanisms: Auto<usize>,
+    /// Time of free vibration to compute after the record's end.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0.0, "x-unit" = "s"))]
+    pub tail: Auto<f64>,
+}
+
+/// What to write.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// Places whose motion is written and whose accuracy counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the surface, every layer's top and the base's top"))]
+    pub stations: Option<Vec<Station>>,
+    /// Spacing of the wave field over depth; `"none"` writes no field.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+    pub field_spacing: FieldSpacing,
+}
+
+/// A place whose motion is written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Station {
+    /// Name, different for each station. `outcrop` is kept for the input; `surface` and `within` only name the
+    /// column's ends.
+    pub name: String,
+    /// Depth below the surface, from 0 to the column's depth.
+    #[schemars(extend("minimum" = 0.0, "x-unit" = "m"))]
+    pub depth: f64,
+}
+
+/// Spacing of the wave field over depth.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum FieldSpacing {
+    /// fine enough for the highest frequency of the band
+    #[default]
+    Auto,
+    /// no field
+    None,
+    /// the spacing, m
+    #[serde(untagged)]
+    Metres(f64),
+}

@@ -1,0 +1,87 @@
+//! What the tests of records need of Python: the fixtures, and the script spoken to directly.
+#![allow(dead_code, unreachable_pub)]
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+/// The interpreter of the workspace, found as the library does.
+pub fn interpreter() -> PathBuf {
+    if let Some(python) = std::env::var_os("HATI_PYTHON").filter(|value| !value.is_empty()) {
+        return python.into();
+    }
+    let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    crate_folder
+        .ancestors()
+        .map(|folder| folder.join(".venv/bin/python"))
+        .find(|python| python.exists())
+        .unwrap_or_else(|| "python3".into())
+}
+
+/// Whether that interpreter has ObsPy; says so when it has not.
+pub fn has_obspy() -> bool {
+    static HAS: OnceLock<bool> = OnceLock::new();
+    *HAS.get_or_init(|| {
+        let status = Command::new(interpreter()).args(["-I", "-c", "import obspy"]).status();
+        let has = status.is_ok_and(|status| status.success());
+        if !has {
+            say("skipped: no Python with ObsPy (run `make setup`)");
+        }
+        has
+    })
+}
+
+/// A folder with the files of `inputs/python/make_fixtures.py`, made once; `None` without ObsPy.
+pub fn fixtures() -> Option<&'static Path> {
+    static FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let folder = FOLDER.get_or_init(|| {
+        if !has_obspy() {
+            return None;
+        }
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("records_fixtures");
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).expect("the build's own temporary folder");
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("python/make_fixtures.py");
+        let status = Command::new(interpreter()).arg(script).arg(&folder).status();
+        assert!(status.is_ok_and(|status| status.success()), "the fixtures could not be made");
+        Some(folder)
+    });
+    folder.as_deref()
+}
+
+/// The reader script's answer to one file under a format word of choice.
+pub fn ask_script(format: &str, content: &[u8]) -> String {
+    let script = include_str!("../../python/hati_records.py");
+    let mut child = Command::new(interpreter())
+        .args(["-I", "-c", script])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the interpreter was found");
+    let mut stdin = child.stdin.take().expect("piped");
+    let request = format!(
+        "{{\"op\": \"read\", \"max_samples\": 1000, \"max_segments\": 10, \"memory_bytes\": 8589934592, \
+         \"files\": [{{\"format\": \"{format}\", \"bytes\": {}}}]}}\n",
+        content.len()
+    );
+    stdin.write_all(request.as_bytes()).expect("the script reads");
+    stdin.write_all(content).expect("the script reads");
+    drop(stdin);
+    let output = child.wait_with_output().expect("the script ends");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Opens a pickle as careless code would.
+pub fn unpickle(path: &Path) {
+    let status = Command::new(interpreter())
+        .args(["-I", "-c", "import pickle, sys; pickle.load(open(sys.argv[1], 'rb'))"])
+        .arg(path)
+        .status();
+    assert!(status.is_ok_and(|status| status.success()));
+}
+
+/// A line for whoever reads the test's output, past the capture of the test harness.
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}

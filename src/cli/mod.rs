@@ -1,0 +1,276 @@
+//! Command line: verbs, options, exit codes.
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | fine |
+//! | 1 | outside the accuracy asked, or a failed `verify` |
+//! | 2 | wrong input |
+//! | 3 | unstable |
+//! | 4 | machine: disk, memory, a folder that cannot be written |
+//! | 5 | interrupted; the files are valid up to that instant |
+//!
+//! Results for machines go to stdout (one JSON value with `--json`), everything else to stderr.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "the command line is where printing belongs")]
+
+mod arguments;
+mod record;
+mod show;
+
+use crate::plan::{Plan, PlanError};
+use crate::run::{Outcome, RunControl, RunError, run};
+use arguments::{Arguments, RunArguments, SceneArguments, Verb};
+use clap::Parser;
+use hati_inputs::scene::{self, Scene};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Exit codes; see the module's table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    /// 0
+    Fine = 0,
+    /// 1
+    OutsideAccuracy = 1,
+    /// 2
+    WrongInput = 2,
+    /// 3
+    Unstable = 3,
+    /// 4
+    Machine = 4,
+    /// 5
+    Interrupted = 5,
+}
+
+/// An error with the exit code that it deserves.
+struct Failure {
+    exit: Exit,
+    text: String,
+}
+
+impl Failure {
+    fn new(exit: Exit, text: impl ToString) -> Self {
+        Self { exit, text: text.to_string() }
+    }
+
+    fn input(text: impl ToString) -> Self {
+        Self::new(Exit::WrongInput, text)
+    }
+}
+
+impl From<PlanError> for Failure {
+    fn from(e: PlanError) -> Self {
+        Self::input(e)
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(e: RunError) -> Self {
+        let exit = match &e {
+            RunError::Plan(_) | RunError::Sem(_) => Exit::WrongInput,
+            RunError::Output(_) => Exit::Machine,
+            RunError::Coupling(hati_coupling::CouplingError::Unstable { .. }) => Exit::Unstable,
+            RunError::Coupling(_) => Exit::WrongInput,
+        };
+        Self::new(exit, e)
+    }
+}
+
+/// Prints a line to stderr.
+pub fn note(text: &str) {
+    eprintln!("hati: {text}");
+}
+
+/// Parses the command line and runs the verb.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let json = arguments.json;
+    let outcome = match arguments.verb {
+        Verb::Check(a) => check(&a, json),
+        Verb::Plan(a) => plan(&a, json),
+        Verb::Run(a) => run_verb(&a, json),
+        Verb::Record(a) => record::record(&a, json),
+        Verb::Schema { markdown } => schema(markdown),
+        Verb::Chart(a) => chart(&a, json),
+        Verb::Verify(a) => verify(&a, json),
+    };
+    match outcome {
+        Ok(exit) => ExitCode::from(exit as u8),
+        Err(failure) => {
+            eprintln!("hati: {}", failure.text);
+            if json {
+                println!("{}", json!({ "error": failure.text, "exit": failure.exit as u8 }));
+            }
+            ExitCode::from(failure.exit as u8)
+        }
+    }
+}
+
+fn print_json(value: &Value) {
+    println!("{value:#}");
+}
+
+/// A scene named by its file or by the folder that holds `scene.toml`.
+fn scene_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("scene.toml") } else { path.to_path_buf() }
+}
+
+fn overrides(a: &SceneArguments) -> Result<Vec<(String, String)>, Failure> {
+    a.set
+        .iter()
+        .map(|s| {
+            s.split_once('=')
+                .map(|(k, v)| (k.trim().to_string(), v.trim().to_string()))
+                .ok_or_else(|| Failure::input(format!("--set {s}: expected key=value, for instance --set accuracy=1e-3")))
+        })
+        .collect()
+}
+
+fn load(a: &SceneArguments) -> Result<Scene, Failure> {
+    let scene = scene::load_with(&scene_file(&a.scene), &overrides(a)?).map_err(Failure::input)?;
+    scene.source.warnings.iter().for_each(|warning| eprintln!("{warning}"));
+    Ok(scene)
+}
+
+fn check(a: &SceneArguments, json: bool) -> Result<Exit, Failure> {
+    let found = scene::load_with(&scene_file(&a.scene), &overrides(a)?);
+    let (diagnostics, exit) = match &found {
+        Ok(scene) => (&scene.source.warnings, Exit::Fine),
+        Err(diagnostics) => (diagnostics, Exit::WrongInput),
+    };
+    if json {
+        print_json(&json!({ "valid": exit == Exit::Fine, "diagnostics": diagnostics.iter().collect::<Vec<_>>() }));
+    } else {
+        diagnostics.iter().for_each(|d| eprintln!("{d}"));
+        if exit == Exit::Fine {
+            println!("{}: the scene is sound", scene_file(&a.scene).display());
+        } else {
+            eprintln!("{} to mend", show::count(diagnostics.errors().count(), "mistake"));
+        }
+    }
+    Ok(exit)
+}
+
+fn plan(a: &SceneArguments, json: bool) -> Result<Exit, Failure> {
+    let scene = load(a)?;
+    let plan = Plan::new(&scene)?;
+    if json {
+        print_json(&plan.to_json());
+    } else {
+        print!("{}", show::plan(&scene, &plan));
+    }
+    Ok(if plan.search.met { Exit::Fine } else { Exit::OutsideAccuracy })
+}
+
+fn interrupt_flag() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        if let Err(cause) = signal_hook::flag::register(signal, flag.clone()) {
+            note(&format!("signals cannot be caught ({cause}); an interrupt will cut the files at their last append"));
+        }
+    }
+    flag
+}
+
+fn run_verb(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
+    let flag = interrupt_flag();
+    let scene = load(&a.scene)?;
+    let plan = Plan::new(&scene)?;
+    let out = a.out.clone().unwrap_or_else(|| default_folder(&a.scene.scene));
+    if !json {
+        eprint!("{}", show::plan(&scene, &plan));
+    }
+    let mut meter = show::Meter::new(plan.samples);
+    let mut control = RunControl {
+        interrupt: &flag,
+        max_wall_time: a.max_wall_time,
+        progress: &mut |done, all, seconds| meter.update(done, all, seconds),
+        history: format!("{} hati {} run {}", now(), env!("CARGO_PKG_VERSION"), a.scene.scene.display()),
+    };
+    let Outcome { summary, interrupted } = run(&scene, &plan, &out, &mut control)?;
+    meter.finish();
+    if json {
+        print_json(&summary);
+    } else {
+        eprint!("{}", show::summary(&summary));
+        println!("{}", out.join("report.html").display());
+    }
+    if interrupted {
+        note("interrupted: the files hold the motion up to this instant; run again for the whole of it");
+        return Ok(Exit::Interrupted);
+    }
+    Ok(if plan.search.met { Exit::Fine } else { Exit::OutsideAccuracy })
+}
+
+fn default_folder(scene: &Path) -> PathBuf {
+    let folder = if scene.is_dir() { Some(scene) } else { scene.parent() };
+    let named = folder.and_then(Path::file_name).or_else(|| scene.file_stem());
+    let stem = if scene.is_dir() || scene.file_stem().is_some_and(|s| s == "scene") { named } else { scene.file_stem() };
+    Path::new("runs").join(stem.unwrap_or_else(|| "scene".as_ref()))
+}
+
+fn now() -> String {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    crate::calendar::iso8601(since.as_secs() as f64)
+}
+
+fn schema(markdown: bool) -> Result<Exit, Failure> {
+    if markdown {
+        print!("{}", scene::reference_markdown());
+    } else {
+        print_json(&json!(scene::schema()));
+    }
+    Ok(Exit::Fine)
+}
+
+fn chart(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
+    let flag = interrupt_flag();
+    let scene = load(&a.scene)?;
+    let out = a.out.clone().unwrap_or_else(|| default_folder(&a.scene.scene));
+    let mut told = |line: &str| {
+        if !json {
+            eprintln!("{line}");
+        }
+        !flag.load(Ordering::Relaxed)
+    };
+    let chart = crate::chart::chart(&scene, &out, &mut told)?;
+    if json {
+        print_json(&chart);
+    } else {
+        println!("{}", out.join("chart.html").display());
+    }
+    Ok(Exit::Fine)
+}
+
+fn verify(a: &arguments::VerifyArguments, json: bool) -> Result<Exit, Failure> {
+    let mut told = |check: &crate::verify::Check| {
+        if !json {
+            eprintln!("{check}");
+        }
+    };
+    let wanted = |name: &str| a.cases.is_empty() || a.cases.iter().any(|c| name.contains(c.as_str()));
+    let (checks, passed) = if a.self_check {
+        let checks = crate::verify::self_check(&wanted, a.long, &mut told)?;
+        let blind = checks.iter().filter(|c| c.pass).count();
+        if blind > 0 {
+            note(&format!("{} did not notice its twisted constant", show::count(blind, "quantity")));
+        }
+        (checks, blind == 0)
+    } else {
+        let checks = crate::verify::verify(&wanted, a.long, &mut told)?;
+        let passed = checks.iter().all(|c| c.pass);
+        (checks, passed)
+    };
+    if checks.is_empty() {
+        return Err(Failure::input(format!("no case named {:?}; cases: {}", a.cases, crate::verify::names().join(", "))));
+    }
+    if json {
+        print_json(&json!(checks));
+    } else {
+        let failed = checks.iter().filter(|c| c.pass == a.self_check).count();
+        println!("{} checked, {failed} failed", show::count(checks.len(), "quantity"));
+    }
+    Ok(if passed { Exit::Fine } else { Exit::OutsideAccuracy })
+}

@@ -1,0 +1,25 @@
+//! `hati`: from an accelerogram to the response of ground and structure, with error, cost and energy
+//! balance stated.
+//!
+//! ```text
+//! scene.toml ─► hati_inputs::scene ─► plan ─► run ─► outputs, report
+//!                        records ─► motion_input ─┘      verify, chart: what the result is worth
+//! ```
+//!
+//! - [`motion_input`]: the scene's motion, read, offset, converted, scaled;
+//! - [`plan`]: every size with its reason and the predicted error;
+//! - [`run`]: the time loop and the run folder;
+//! - [`outputs`], [`report`]: NetCDF files and the page; [`results`]: what they are made from;
+//! - [`closed_form`]: the yardstick, never used by a run's solver.
+
+pub mod calendar;
+pub mod chart;
+pub mod cli;
+pub mod closed_form;
+pub mod motion_input;
+pub mod outputs;
+pub mod plan;
+pub mod report;
+pub mod results;
+pub mod run;
+pub mod verify;

@@ -1,0 +1,135 @@
+//! Motion over time, one row per place on a common scale.
+
+use super::super::place::words;
+use super::super::svg::{Anchor, Axis, Figure, Panel, Rect, Stroke, Text, significant};
+use super::super::table::Table;
+use super::{GRAVITY, Plate, View, WIDTH, peak, peak_at};
+use crate::results::Trace;
+
+/// Which motion is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Motion {
+    /// m/s².
+    Acceleration,
+    /// m/s.
+    Velocity,
+    /// m.
+    Displacement,
+}
+
+impl Motion {
+    /// Name for files and titles.
+    pub(in super::super) const fn name(self) -> &'static str {
+        match self {
+            Self::Acceleration => "acceleration",
+            Self::Velocity => "velocity",
+            Self::Displacement => "displacement",
+        }
+    }
+
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::Acceleration => "m/s²",
+            Self::Velocity => "m/s",
+            Self::Displacement => "m",
+        }
+    }
+
+    const fn file_unit(self) -> &'static str {
+        match self {
+            Self::Acceleration => "m_s2",
+            Self::Velocity => "m_s",
+            Self::Displacement => "m",
+        }
+    }
+
+    fn of(self, trace: &Trace) -> &[f64] {
+        match self {
+            Self::Acceleration => &trace.acceleration,
+            Self::Velocity => &trace.velocity,
+            Self::Displacement => &trace.displacement,
+        }
+    }
+}
+
+const LEFT: f64 = 78.0;
+const RIGHT: f64 = 24.0;
+const TOP: f64 = 46.0;
+const ROW: f64 = 122.0;
+const GAP: f64 = 14.0;
+
+/// Time histories of one kind of motion.
+pub(in super::super) fn histories(view: &View<'_>, motion: Motion) -> Option<Plate> {
+    let rows: Vec<_> = view.drawn.iter().filter(|d| !motion.of(d.trace).is_empty()).collect();
+    if rows.is_empty() {
+        return None;
+    }
+    let peak = rows.iter().map(|d| peak(motion.of(d.trace))).fold(0.0, f64::max);
+    let height = TOP + rows.len() as f64 * (ROW + GAP) - GAP + 48.0;
+    let title = format!("{} along {}", capital(motion.name()), view.letter());
+    let mut figure = Figure::new(&view.name(motion.name()), &title, WIDTH, height);
+    let times = view.times();
+    let (first, last) = view.time_range();
+    for (number, drawn) in rows.iter().enumerate() {
+        let at =
+            Rect { x: LEFT, y: TOP + number as f64 * (ROW + GAP), width: WIDTH - LEFT - RIGHT, height: ROW };
+        let is_last = number + 1 == rows.len();
+        let y = Axis::symmetric(peak, motion.unit(), 4);
+        let x = Axis::linear(first, last, "elapsed time (s)", 12);
+        let panel = Panel::draw(&mut figure, at, x, y, is_last, true);
+        panel.horizontal(&mut figure, 0.0, Stroke::solid("#b8c0c8", 1.0));
+        let values = motion.of(drawn.trace);
+        let points = values.iter().enumerate().map(|(i, v)| (view.time(i), *v));
+        panel.line(&mut figure, points, drawn.stroke.wide(1.1).dashed(""));
+        mark_peak(&mut figure, &panel, view, values, motion, drawn.stroke.colour);
+        let name = match drawn.trace.depth {
+            Some(depth) if depth != 0.0 => {
+                format!("{}, {} m deep", words(&drawn.trace.place), significant(depth, 4))
+            }
+            _ => words(&drawn.trace.place),
+        };
+        let style = Text::new(13.0).bold().colour(drawn.stroke.colour).halo();
+        figure.text(at.x + 10.0, at.y + 18.0, &name, style);
+        panel.close(&mut figure);
+    }
+    let mut table = Table::default().column("elapsed_time_s", times);
+    for d in &rows {
+        let name = format!("{}_{}_{}", d.trace.place, motion.name(), motion.file_unit());
+        table = table.column(name, motion.of(d.trace));
+    }
+    Some(Plate {
+        figure,
+        csv: table.to_csv(),
+        caption: "All rows share one scale; the dot marks each row’s largest absolute value.".to_owned(),
+    })
+}
+
+fn mark_peak(
+    figure: &mut Figure,
+    panel: &Panel,
+    view: &View<'_>,
+    values: &[f64],
+    motion: Motion,
+    colour: &'static str,
+) {
+    let Some((index, value)) = peak_at(values) else {
+        return;
+    };
+    let time = view.time(index);
+    figure.dot(panel.px(time), panel.py(value), 4.0, colour);
+    let amount = significant(value.abs(), 3);
+    let label = if motion == Motion::Acceleration {
+        let in_g = significant(value.abs() / GRAVITY, 3);
+        format!("peak {amount} m/s² = {in_g} g at {} s", significant(time, 4))
+    } else {
+        format!("peak {amount} {} at {} s", motion.unit(), significant(time, 4))
+    };
+    let style = Text::new(12.0).anchor(Anchor::End).halo();
+    let x = panel.at.x + panel.at.width - 10.0;
+    figure.text(x, panel.at.y + 18.0, &label, style);
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map(|c| c.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}

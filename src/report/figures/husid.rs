@@ -1,0 +1,80 @@
+//! How the energy of the shaking builds up: Husid curves with the significant duration.
+
+use super::super::place::{AUXILIARY, legend, words};
+use super::super::svg::{Axis, Figure, Panel, Rect, Stroke, Text, significant};
+use super::super::table::Table;
+use super::{Plate, View, WIDTH};
+
+/// Times at which the Husid curve passes `low` and `high`, by linear interpolation, s since the first sample.
+fn duration(husid: &[f64], dt: f64, low: f64, high: f64) -> Option<(f64, f64)> {
+    let crossing = |level: f64| {
+        let after = husid.iter().position(|v| *v >= level)?;
+        let before = after.checked_sub(1)?;
+        let (a, b) = (husid[before], husid[after]);
+        let part = if b > a { (level - a) / (b - a) } else { 0.0 };
+        Some((before as f64 + part) * dt)
+    };
+    Some((crossing(low)?, crossing(high)?))
+}
+
+/// Husid curves of all places.
+pub(in super::super) fn husid(view: &View<'_>) -> Option<Plate> {
+    let curves: Vec<_> = view.drawn.iter().filter(|d| !view.measures[d.index].husid.is_empty()).collect();
+    if curves.is_empty() {
+        return None;
+    }
+    let bars = 22.0 * curves.len() as f64 + 10.0;
+    let at = Rect { x: 78.0, y: 52.0, width: WIDTH - 78.0 - 24.0, height: 230.0 + bars };
+    let title = format!("Build-up of Arias intensity along {}", view.letter());
+    let mut figure = Figure::new(&view.name("husid"), &title, WIDTH, at.y + at.height + 52.0);
+    let times = view.times();
+    let (first, last) = view.time_range();
+    let floor = -110.0 * bars / 230.0;
+    let x = Axis::linear(first, last, "elapsed time (s)", 12);
+    let y = Axis::linear(floor, 110.0, "share of Arias intensity (%)", 6)
+        .with_ticks(&[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
+    let panel = Panel::draw(&mut figure, at, x, y, true, true);
+    for level in [5.0, 95.0] {
+        panel.horizontal(&mut figure, level, AUXILIARY);
+    }
+    let mut table = Table::default().column("elapsed_time_s", times);
+    for (row, d) in curves.iter().enumerate() {
+        let husid = &view.measures[d.index].husid;
+        let points = husid.iter().enumerate().map(|(i, v)| (view.time(i), 100.0 * v));
+        panel.line(&mut figure, points, d.stroke);
+        table = table.column(format!("{}_husid", d.trace.place), husid.as_slice());
+        let Some((from, to)) = duration(husid, view.data.dt, 0.05, 0.95) else {
+            continue;
+        };
+        let (x0, x1) = (panel.px(from + view.data.time_first), panel.px(to + view.data.time_first));
+        let y = panel.py(0.0) + 16.0 + 22.0 * row as f64;
+        let bar = Stroke::solid(d.stroke.colour, 5.0);
+        figure.segment((x0, y), (x1, y), bar);
+        figure.dot(x0, panel.py(5.0), 3.6, d.stroke.colour);
+        figure.dot(x1, panel.py(95.0), 3.6, d.stroke.colour);
+        let label = format!("{}: D5–95 = {} s", words(&d.trace.place), significant(to - from, 3));
+        figure.text(x1 + 8.0, y + 4.0, &label, Text::new(12.0).halo());
+    }
+    figure.legend(at.x + at.width, 26.0, &legend(&view.drawn));
+    panel.close(&mut figure);
+    Some(Plate {
+        figure,
+        csv: table.to_csv(),
+        caption: "Share of ∫a² dt reached by each time. Bars: significant duration, from 5 to 95 %."
+            .to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn duration_of_a_ramp() {
+        let ramp: Vec<f64> = (0..=100).map(|i| f64::from(i) / 100.0).collect();
+        let (from, to) = duration(&ramp, 0.1, 0.05, 0.95).expect("crossings");
+        assert!((from - 0.5).abs() < 1e-12 && (to - 9.5).abs() < 1e-12);
+        assert!(duration(&[], 0.1, 0.05, 0.95).is_none());
+        assert!(duration(&[f64::NAN; 4], 0.1, 0.05, 0.95).is_none());
+    }
+}

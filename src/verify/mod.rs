@@ -1,0 +1,127 @@
+//! Built-in cases against closed forms and references, each with a limit, and a check of the checks.
+//!
+//! A case computes values and compares them with references that do not come from the same code. Every
+//! case takes a `twist`: 0 to verify, and in the self-check three times its limit, by which it changes
+//! one of its constants (named in the case); a case that still passes then is blind.
+
+pub mod accuracy;
+mod fixtures;
+mod frequency;
+mod motion;
+mod stepping;
+
+use crate::run::RunError;
+use serde::Serialize;
+use std::fmt;
+
+pub use fixtures::{accelerogram, scene_with, simulate};
+pub use stepping::standing_wave_error;
+
+/// One compared quantity.
+#[derive(Debug, Clone, Serialize)]
+pub struct Check {
+    /// Name of the case.
+    pub case: &'static str,
+    /// What was compared.
+    pub quantity: String,
+    /// Found.
+    pub value: f64,
+    /// Expected.
+    pub reference: f64,
+    /// Error in the norm that the quantity names.
+    pub error: f64,
+    /// Largest error allowed.
+    pub limit: f64,
+    /// Whether it holds.
+    pub pass: bool,
+}
+
+impl Check {
+    /// Relative error of a value against a reference.
+    fn relative(case: &'static str, quantity: impl Into<String>, value: f64, reference: f64, limit: f64) -> Self {
+        let error = (value / reference - 1.0).abs();
+        Self { case, quantity: quantity.into(), value, reference, error, limit, pass: error <= limit }
+    }
+
+    /// An error by itself, which should be 0.
+    fn error(case: &'static str, quantity: impl Into<String>, error: f64, limit: f64) -> Self {
+        Self { case, quantity: quantity.into(), value: error, reference: 0.0, error, limit, pass: error <= limit }
+    }
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = if self.pass { "ok  " } else { "FAIL" };
+        write!(
+            f,
+            "{word} {:<20} {}: {:.6e} against {:.6e}, error {:.2e} (limit {:.1e})",
+            self.case, self.quantity, self.value, self.reference, self.error, self.limit
+        )
+    }
+}
+
+/// What can keep a case from being computed.
+type CaseResult = Result<Vec<Check>, RunError>;
+
+struct Case {
+    name: &'static str,
+    long: bool,
+    run: fn(bool) -> CaseResult,
+}
+
+/// All cases; `long` ones run only when asked for.
+const CASES: &[Case] = &[
+    Case { name: "uniform-layer", long: false, run: frequency::uniform_layer },
+    Case { name: "three-layer-table", long: false, run: frequency::three_layer_table },
+    Case { name: "three-layer-column", long: false, run: frequency::three_layer_column },
+    Case { name: "damping-fit", long: false, run: frequency::damping_fit },
+    Case { name: "standing-wave", long: false, run: stepping::standing_wave },
+    Case { name: "step-bound", long: false, run: stepping::step_bound },
+    Case { name: "energy-ledger", long: false, run: stepping::energy_ledger },
+    Case { name: "surface-pga", long: false, run: motion::surface_pga },
+    Case { name: "deconvolution", long: false, run: motion::deconvolution },
+    Case { name: "accuracy", long: false, run: accuracy::accuracy },
+    Case { name: "step-bound-million", long: true, run: stepping::step_bound_million },
+];
+
+/// Names of all cases.
+pub fn names() -> Vec<&'static str> {
+    CASES.iter().map(|c| c.name).collect()
+}
+
+
+fn each(
+    wanted: &dyn Fn(&str) -> bool,
+    long: bool,
+    twisted: bool,
+    told: &mut dyn FnMut(&Check),
+) -> Result<Vec<Check>, RunError> {
+    let mut all = vec![];
+    for case in CASES.iter().filter(|c| wanted(c.name) && (long || !c.long)) {
+        for check in (case.run)(twisted)? {
+            told(&check);
+            all.push(check);
+        }
+    }
+    Ok(all)
+}
+
+/// Runs the wanted cases; `told` hears of each quantity as it is compared.
+pub fn verify(wanted: &dyn Fn(&str) -> bool, long: bool, told: &mut dyn FnMut(&Check)) -> Result<Vec<Check>, RunError> {
+    each(wanted, long, false, told)
+}
+
+/// Runs the wanted cases with one constant of each changed by three times its limit; every quantity
+/// should now fail.
+pub fn self_check(
+    wanted: &dyn Fn(&str) -> bool,
+    long: bool,
+    told: &mut dyn FnMut(&Check),
+) -> Result<Vec<Check>, RunError> {
+    each(wanted, long, true, told)
+}
+
+/// Factor by which a case twists a constant: 1, or 1 + 3 × limit in the self-check.
+fn twist(twisted: bool, limit: f64) -> f64 {
+    if twisted { 1.0 + 3.0 * limit } else { 1.0 }
+}
