@@ -25,7 +25,7 @@ pub struct Point {
     pub predicted: f64,
     /// Measured relative L2 error against a run four times finer than the most accurate point.
     pub measured: f64,
-    /// Solver time, s, median of three.
+    /// Time of the steps, s, median over rounds in which all points take turns.
     pub seconds: f64,
     /// Whether `auto` chose it.
     pub auto: bool,
@@ -35,27 +35,25 @@ pub struct Point {
 /// `chart.json` and `chart.html` into `out` and returns the JSON.
 ///
 /// `told` hears a line per point; it answers false to stop early, which leaves the files of what was
-/// measured so far. Cost: three runs a point, and one much finer run.
+/// measured so far. Cost: eight runs a point, and one much finer run.
 pub fn chart(scene: &Scene, out: &Path, told: &mut dyn FnMut(&str) -> bool) -> Result<Value, RunError> {
-    std::fs::create_dir_all(out).map_err(|cause| OutputError::UnwritableFolder { folder: out.to_path_buf(), cause })?;
+    std::fs::create_dir_all(out)
+        .map_err(|cause| OutputError::UnwritableFolder { folder: out.to_path_buf(), cause })?;
     let auto = Plan::new(scene)?;
     let plans = family(scene, &auto)?;
-    let best = plans.iter().min_by(|a, b| a.search.chosen.error.total_cmp(&b.search.chosen.error)).unwrap_or(&auto);
-    told(&format!("reference: four times finer than order {} with {} points", best.discretisation.order, best.points()));
+    let best =
+        plans.iter().min_by(|a, b| a.search.chosen.error.total_cmp(&b.search.chosen.error)).unwrap_or(&auto);
+    told(&format!(
+        "reference: four times finer than order {} with {} points",
+        best.discretisation.order,
+        best.points()
+    ));
     let fine = finer(best)?;
     let mut reference = Simulation::new(&fine)?;
     reference.run_through(&fine)?;
     let mut points: Vec<Point> = vec![];
     for (i, plan) in plans.iter().enumerate() {
-        let mut seconds = vec![];
-        let mut measured = 0.0;
-        for _ in 0..3 {
-            let mut simulation = Simulation::new(plan)?;
-            simulation.run_through(plan)?;
-            seconds.push(simulation.solver_seconds);
-            measured = measured_error(&simulation, &reference, plan.stations.len(), plan.axes.len());
-        }
-        seconds.sort_by(f64::total_cmp);
+        let simulation = through(plan)?;
         let point = Point {
             order: plan.discretisation.order,
             elements: plan.discretisation.elements.clone(),
@@ -63,20 +61,26 @@ pub fn chart(scene: &Scene, out: &Path, told: &mut dyn FnMut(&str) -> bool) -> R
             substeps: plan.substeps,
             mechanisms: plan.mechanisms,
             predicted: plan.search.chosen.error,
-            measured,
-            seconds: seconds[1],
+            measured: measured_error(&simulation, &reference, plan.stations.len(), plan.axes.len()),
+            seconds: simulation.step_seconds,
             auto: i == 0,
         };
         let line = format!(
-            "{}order {:2}, {:4} points, {:3} steps/sample, {} mechanisms: error {:.2e} (predicted {:.2e}), {:.4} s",
+            "{}order {:2}, {:4} points, {:3} steps/sample, mechanisms {}: error {:.2e} (predicted {:.2e})",
             if point.auto { "auto: " } else { "      " },
-            point.order, point.points, point.substeps, point.mechanisms, point.measured, point.predicted, point.seconds
+            point.order,
+            point.points,
+            point.substeps,
+            point.mechanisms,
+            point.measured,
+            point.predicted
         );
         points.push(point);
         if !told(&line) {
             break;
         }
     }
+    time_in_rounds(&plans, &mut points)?;
     let value = json!({
         "title": scene.title, "accuracy": scene.accuracy,
         "norm": "relative L2 in time of acceleration at the worst station and component, inside the band",
@@ -87,12 +91,39 @@ pub fn chart(scene: &Scene, out: &Path, told: &mut dyn FnMut(&str) -> bool) -> R
     Ok(value)
 }
 
+fn through(plan: &Plan) -> Result<Simulation, RunError> {
+    let mut simulation = Simulation::new(plan)?;
+    simulation.run_through(plan)?;
+    Ok(simulation)
+}
+
+/// Rounds of timing.
+const ROUNDS: usize = 7;
+
+/// Times all points in turn, round after round, so that a drift of the machine meets them alike, and
+/// keeps each one's median.
+fn time_in_rounds(plans: &[Plan], points: &mut [Point]) -> Result<(), RunError> {
+    let mut seconds = vec![vec![]; points.len()];
+    for _ in 0..ROUNDS {
+        for (plan, seconds) in plans.iter().zip(&mut seconds) {
+            seconds.push(through(plan)?.step_seconds);
+        }
+    }
+    for (point, mut seconds) in points.iter_mut().zip(seconds) {
+        seconds.sort_by(f64::total_cmp);
+        point.seconds = seconds[ROUNDS / 2];
+    }
+    Ok(())
+}
+
 /// `auto`, then per order the cheapest at targets of 1/3 decade, and `auto` with other steps.
 fn family(scene: &Scene, auto: &Plan) -> Result<Vec<Plan>, PlanError> {
     let mut plans = vec![auto.clone()];
     let mut add = |plan: Plan| {
         let same = |p: &Plan| {
-            p.discretisation == plan.discretisation && p.substeps == plan.substeps && p.mechanisms == plan.mechanisms
+            p.discretisation == plan.discretisation
+                && p.substeps == plan.substeps
+                && p.mechanisms == plan.mechanisms
         };
         if !plans.iter().any(same) {
             plans.push(plan);
@@ -121,7 +152,9 @@ fn family(scene: &Scene, auto: &Plan) -> Result<Vec<Plan>, PlanError> {
 }
 
 fn write(scene: &Scene, out: &Path, points: &[Point], value: &Value) -> Result<(), OutputError> {
-    let mut csv = String::from("order,points,steps_per_sample,mechanisms,predicted_error,measured_error,solver_s,auto\n");
+    let mut csv = String::from(
+        "order,points,steps_per_sample,mechanisms,predicted_error,measured_error,solver_s,auto\n",
+    );
     for p in points {
         csv.push_str(&format!(
             "{},{},{},{},{:e},{:e},{:e},{}\n",

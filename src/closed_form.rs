@@ -46,7 +46,13 @@ pub struct SurfaceRatios {
 ///
 /// `base_damping`: damping ratio of the half-space under the same law (the time domain has 0, a real
 /// impedance; some frequency-domain programs damp it).
-pub fn surface_ratios(profile: &Profile, axis: usize, law: Law, base_damping: f64, frequency: f64) -> SurfaceRatios {
+pub fn surface_ratios(
+    profile: &Profile,
+    axis: usize,
+    law: Law,
+    base_damping: f64,
+    frequency: f64,
+) -> SurfaceRatios {
     let omega = 2.0 * PI * frequency;
     let reference = profile.reference_frequency;
     let speed = |i: usize| {

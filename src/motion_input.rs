@@ -50,7 +50,8 @@ impl MotionInput {
             }
         }
         let mut motion = if channels.iter().any(Option::is_some) {
-            let file_part = Motion::from_channels([channels[0].as_ref(), channels[1].as_ref(), channels[2].as_ref()])?;
+            let file_part =
+                Motion::from_channels([channels[0].as_ref(), channels[1].as_ref(), channels[2].as_ref()])?;
             with_wavelets(scene, file_part, &mut described)?
         } else {
             from_wavelets(scene, quantity, &mut described)?
@@ -59,7 +60,9 @@ impl MotionInput {
         match scene.motion.offset {
             _ if synthetic => {}
             scene::Offset::Mean => motion.remove_offset(Offset::Mean)?,
-            scene::Offset::First { first_seconds } => motion.remove_offset(Offset::FirstSeconds(first_seconds))?,
+            scene::Offset::First { first_seconds } => {
+                motion.remove_offset(Offset::FirstSeconds(first_seconds))?
+            }
             scene::Offset::None => {}
         }
         to_acceleration(&mut motion);
@@ -78,7 +81,10 @@ impl MotionInput {
             }
             Some(scene::Scale::Pga(pga)) => {
                 let factor = self.motion.scale_to_peak(pga)?;
-                Some((factor, format!("to a peak of {pga} m/s² in the largest component, before the band is applied")))
+                Some((
+                    factor,
+                    format!("to a peak of {pga} m/s² in the largest component, before the band is applied"),
+                ))
             }
         };
         Ok(())
@@ -88,7 +94,8 @@ impl MotionInput {
         for step in &self.motion.steps {
             let gravity = step.parameters.get("z").and_then(|z| z.get("gravity_g"));
             if gravity.is_some() {
-                self.warnings.push("the vertical channel carried gravity; it was removed with the offset".into());
+                self.warnings
+                    .push("the vertical channel carried gravity; it was removed with the offset".into());
             }
         }
         if let Some((factor, _)) = self.scale
@@ -111,10 +118,9 @@ fn pick(mut found: Vec<Channel>, source: &records::Source, axis: usize) -> Resul
     if let [only] = candidates[..] {
         return Ok(found.swap_remove(only));
     }
-    let wanted = source
-        .channel
-        .clone()
-        .unwrap_or_else(|| format!("that is plainly the {} component; name one as motion.{0}.channel", AXES[axis]));
+    let wanted = source.channel.clone().unwrap_or_else(|| {
+        format!("that is plainly the {} component; name one as motion.{0}.channel", AXES[axis])
+    });
     Err(InputError::ChannelMissing { path: source.location.clone(), wanted, present })
 }
 
@@ -137,7 +143,11 @@ fn describe_wavelet(axis: usize, w: &scene::Wavelet, quantity: Quantity) -> Valu
     })
 }
 
-fn from_wavelets(scene: &Scene, quantity: Quantity, described: &mut Vec<Value>) -> Result<Motion, InputError> {
+fn from_wavelets(
+    scene: &Scene,
+    quantity: Quantity,
+    described: &mut Vec<Value>,
+) -> Result<Motion, InputError> {
     let mut components = [None, None, None];
     let mut dt = 0.0;
     for axis in 0..3 {
@@ -151,7 +161,11 @@ fn from_wavelets(scene: &Scene, quantity: Quantity, described: &mut Vec<Value>) 
 }
 
 /// Synthetic components beside recorded ones are sampled on the record's own instants.
-fn with_wavelets(scene: &Scene, mut motion: Motion, described: &mut Vec<Value>) -> Result<Motion, InputError> {
+fn with_wavelets(
+    scene: &Scene,
+    mut motion: Motion,
+    described: &mut Vec<Value>,
+) -> Result<Motion, InputError> {
     let n = motion.len();
     for axis in 0..3 {
         if let Some(Component::Synthetic(s)) = scene.components()[axis] {

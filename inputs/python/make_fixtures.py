@@ -160,8 +160,8 @@ class Payload:
         return (exec, ("open(%r, 'w').close()" % self.marker,))
 
 
-def write_hostile(folder, sound):
-    marker = os.path.join(folder, "marker")
+def write_hostile(folder, sound, known_as):
+    marker = os.path.join(known_as, "marker")
     for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
         content = pickle.dumps(Payload(marker), protocol=protocol)
         for end in ("mseed", "sac", "knet", "gse2", "pickle"):
@@ -182,11 +182,13 @@ def save(folder, name, content):
 
 def main():
     folder = os.path.abspath(sys.argv[1])
+    # the folder may be renamed afterwards: the hostile files carry its later name
+    known_as = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else folder
     sound = write_mseed(folder)
     write_sac(folder)
     write_knet(folder)
     write_gse2(folder)
-    write_hostile(folder, sound)
+    write_hostile(folder, sound, known_as)
 
 
 main()

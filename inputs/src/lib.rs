@@ -5,6 +5,7 @@
 //! | [`records`] | accelerograms of observatories, read by ObsPy in a child process, with their units made sure of |
 //! | [`motion`] | a motion of one to three components: offset, scale, band, taper, integration, resampling |
 //! | [`measures`] | peaks, Arias intensity, duration, response spectra, Fourier amplitudes |
+//! | [`scene`] | scene files: format, schema, checks that name every mistake at once, resolved scenes |
 //!
 //! A record becomes a motion in three lines:
 //! ```no_run

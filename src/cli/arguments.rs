@@ -6,7 +6,11 @@ use std::time::Duration;
 
 /// Site response from an accelerogram, with its error, its cost and its energy balance.
 #[derive(Debug, Parser)]
-#[command(name = "hati", version, after_help = "Exit codes: 0 fine, 1 outside the accuracy asked or a failed verify, 2 wrong input, 3 unstable, 4 machine (disk, memory), 5 interrupted.")]
+#[command(
+    name = "hati",
+    version,
+    after_help = "Exit codes: 0 fine, 1 outside the accuracy asked or a failed verify, 2 wrong input, 3 unstable, 4 machine (disk, memory), 5 interrupted."
+)]
 pub(super) struct Arguments {
     /// What to do.
     #[command(subcommand)]

@@ -10,22 +10,23 @@
 //! | 5 | interrupted; the files are valid up to that instant |
 //!
 //! Results for machines go to stdout (one JSON value with `--json`), everything else to stderr.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "the command line is where printing belongs")]
-
 mod arguments;
 mod record;
 mod show;
 
 use crate::plan::{Plan, PlanError};
 use crate::run::{Outcome, RunControl, RunError, run};
-use arguments::{Arguments, RunArguments, SceneArguments, Verb};
+use crate::verify::Check;
+use arguments::{Arguments, RunArguments, SceneArguments, Verb, VerifyArguments};
 use clap::Parser;
 use hati_inputs::scene::{self, Scene};
 use serde_json::{Value, json};
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// Exit codes; see the module's table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,12 +81,31 @@ impl From<RunError> for Failure {
 
 /// Prints a line to stderr.
 pub fn note(text: &str) {
-    eprintln!("hati: {text}");
+    tell(&format!("hati: {text}\n"));
+}
+
+/// Writes to stderr. A reader that has gone away does not stop a run.
+fn tell(text: &str) {
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
+
+/// Writes to stdout. A reader that has seen enough (`hati schema | head`) is no failure, a full disk is.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(cause) if cause.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::new(Exit::Machine, format!("cannot write to standard output: {cause}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Parses the command line and runs the verb.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(refusal) => return refused(&refusal),
+    };
     let json = arguments.json;
     let outcome = match arguments.verb {
         Verb::Check(a) => check(&a, json),
@@ -98,18 +118,35 @@ pub fn main() -> ExitCode {
     };
     match outcome {
         Ok(exit) => ExitCode::from(exit as u8),
-        Err(failure) => {
-            eprintln!("hati: {}", failure.text);
-            if json {
-                println!("{}", json!({ "error": failure.text, "exit": failure.exit as u8 }));
-            }
-            ExitCode::from(failure.exit as u8)
-        }
+        Err(failure) => report_failure(&failure, json),
     }
 }
 
-fn print_json(value: &Value) {
-    println!("{value:#}");
+fn report_failure(failure: &Failure, json: bool) -> ExitCode {
+    note(&failure.text);
+    if json {
+        // what failed may be stdout itself: the exit code tells all the same
+        let _ = print(&format!("{}\n", json!({ "error": failure.text, "exit": failure.exit as u8 })));
+    }
+    ExitCode::from(failure.exit as u8)
+}
+
+/// Help and version go to stdout; a command line that cannot be read is wrong input.
+fn refused(refusal: &clap::Error) -> ExitCode {
+    let _ = refusal.print();
+    if !refusal.use_stderr() {
+        return ExitCode::from(Exit::Fine as u8);
+    }
+    if std::env::args_os().any(|a| a == "--json") {
+        let text = refusal.render().to_string();
+        let text = text.trim_start_matches("error: ").trim_end();
+        let _ = print(&format!("{}\n", json!({ "error": text, "exit": Exit::WrongInput as u8 })));
+    }
+    ExitCode::from(Exit::WrongInput as u8)
+}
+
+fn print_json(value: &Value) -> Result<(), Failure> {
+    print(&format!("{value:#}\n"))
 }
 
 /// A scene named by its file or by the folder that holds `scene.toml`.
@@ -121,16 +158,16 @@ fn overrides(a: &SceneArguments) -> Result<Vec<(String, String)>, Failure> {
     a.set
         .iter()
         .map(|s| {
-            s.split_once('=')
-                .map(|(k, v)| (k.trim().to_string(), v.trim().to_string()))
-                .ok_or_else(|| Failure::input(format!("--set {s}: expected key=value, for instance --set accuracy=1e-3")))
+            s.split_once('=').map(|(k, v)| (k.trim().to_string(), v.trim().to_string())).ok_or_else(|| {
+                Failure::input(format!("--set {s}: expected key=value, for instance --set accuracy=1e-3"))
+            })
         })
         .collect()
 }
 
 fn load(a: &SceneArguments) -> Result<Scene, Failure> {
     let scene = scene::load_with(&scene_file(&a.scene), &overrides(a)?).map_err(Failure::input)?;
-    scene.source.warnings.iter().for_each(|warning| eprintln!("{warning}"));
+    scene.source.warnings.iter().for_each(|warning| tell(&format!("{warning}\n")));
     Ok(scene)
 }
 
@@ -141,13 +178,15 @@ fn check(a: &SceneArguments, json: bool) -> Result<Exit, Failure> {
         Err(diagnostics) => (diagnostics, Exit::WrongInput),
     };
     if json {
-        print_json(&json!({ "valid": exit == Exit::Fine, "diagnostics": diagnostics.iter().collect::<Vec<_>>() }));
+        print_json(
+            &json!({ "valid": exit == Exit::Fine, "diagnostics": diagnostics.iter().collect::<Vec<_>>() }),
+        )?;
     } else {
-        diagnostics.iter().for_each(|d| eprintln!("{d}"));
+        diagnostics.iter().for_each(|d| tell(&format!("{d}\n")));
         if exit == Exit::Fine {
-            println!("{}: the scene is sound", scene_file(&a.scene).display());
+            print(&format!("{}: the scene is sound\n", scene_file(&a.scene).display()))?;
         } else {
-            eprintln!("{} to mend", show::count(diagnostics.errors().count(), "mistake"));
+            tell(&format!("{} to mend\n", show::count(diagnostics.errors().count(), "mistake")));
         }
     }
     Ok(exit)
@@ -157,9 +196,9 @@ fn plan(a: &SceneArguments, json: bool) -> Result<Exit, Failure> {
     let scene = load(a)?;
     let plan = Plan::new(&scene)?;
     if json {
-        print_json(&plan.to_json());
+        print_json(&plan.to_json())?;
     } else {
-        print!("{}", show::plan(&scene, &plan));
+        print(&show::plan(&scene, &plan))?;
     }
     Ok(if plan.search.met { Exit::Fine } else { Exit::OutsideAccuracy })
 }
@@ -168,7 +207,9 @@ fn interrupt_flag() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         if let Err(cause) = signal_hook::flag::register(signal, flag.clone()) {
-            note(&format!("signals cannot be caught ({cause}); an interrupt will cut the files at their last append"));
+            note(&format!(
+                "signals cannot be caught ({cause}); an interrupt will cut the files at their last append"
+            ));
         }
     }
     flag
@@ -180,7 +221,7 @@ fn run_verb(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
     let plan = Plan::new(&scene)?;
     let out = a.out.clone().unwrap_or_else(|| default_folder(&a.scene.scene));
     if !json {
-        eprint!("{}", show::plan(&scene, &plan));
+        tell(&show::plan(&scene, &plan));
     }
     let mut meter = show::Meter::new(plan.samples);
     let mut control = RunControl {
@@ -192,10 +233,10 @@ fn run_verb(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
     let Outcome { summary, interrupted } = run(&scene, &plan, &out, &mut control)?;
     meter.finish();
     if json {
-        print_json(&summary);
+        print_json(&summary)?;
     } else {
-        eprint!("{}", show::summary(&summary));
-        println!("{}", out.join("report.html").display());
+        tell(&show::summary(&summary));
+        print(&format!("{}\n", out.join("report.html").display()))?;
     }
     if interrupted {
         note("interrupted: the files hold the motion up to this instant; run again for the whole of it");
@@ -207,7 +248,11 @@ fn run_verb(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
 fn default_folder(scene: &Path) -> PathBuf {
     let folder = if scene.is_dir() { Some(scene) } else { scene.parent() };
     let named = folder.and_then(Path::file_name).or_else(|| scene.file_stem());
-    let stem = if scene.is_dir() || scene.file_stem().is_some_and(|s| s == "scene") { named } else { scene.file_stem() };
+    let stem = if scene.is_dir() || scene.file_stem().is_some_and(|s| s == "scene") {
+        named
+    } else {
+        scene.file_stem()
+    };
     Path::new("runs").join(stem.unwrap_or_else(|| "scene".as_ref()))
 }
 
@@ -218,9 +263,9 @@ fn now() -> String {
 
 fn schema(markdown: bool) -> Result<Exit, Failure> {
     if markdown {
-        print!("{}", scene::reference_markdown());
+        print(&scene::reference_markdown())?;
     } else {
-        print_json(&json!(scene::schema()));
+        print_json(&json!(scene::schema()))?;
     }
     Ok(Exit::Fine)
 }
@@ -229,48 +274,65 @@ fn chart(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
     let flag = interrupt_flag();
     let scene = load(&a.scene)?;
     let out = a.out.clone().unwrap_or_else(|| default_folder(&a.scene.scene));
+    let begin = Instant::now();
+    let mut cut = false;
     let mut told = |line: &str| {
         if !json {
-            eprintln!("{line}");
+            tell(&format!("{line}\n"));
         }
-        !flag.load(Ordering::Relaxed)
+        cut |= flag.load(Ordering::Relaxed) || a.max_wall_time.is_some_and(|t| begin.elapsed() > t);
+        !cut
     };
     let chart = crate::chart::chart(&scene, &out, &mut told)?;
     if json {
-        print_json(&chart);
+        print_json(&chart)?;
     } else {
-        println!("{}", out.join("chart.html").display());
+        print(&format!("{}\n", out.join("chart.html").display()))?;
+    }
+    if cut {
+        note("interrupted: the chart holds the points measured up to this instant");
+        return Ok(Exit::Interrupted);
     }
     Ok(Exit::Fine)
 }
 
-fn verify(a: &arguments::VerifyArguments, json: bool) -> Result<Exit, Failure> {
-    let mut told = |check: &crate::verify::Check| {
+fn verify(a: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
+    all_known(&a.cases)?;
+    let mut told = |check: &Check| {
         if !json {
-            eprintln!("{check}");
+            let line = if a.self_check { show::twisted(check) } else { check.to_string() };
+            tell(&format!("{line}\n"));
         }
     };
     let wanted = |name: &str| a.cases.is_empty() || a.cases.iter().any(|c| name.contains(c.as_str()));
-    let (checks, passed) = if a.self_check {
-        let checks = crate::verify::self_check(&wanted, a.long, &mut told)?;
-        let blind = checks.iter().filter(|c| c.pass).count();
-        if blind > 0 {
-            note(&format!("{} did not notice its twisted constant", show::count(blind, "quantity")));
-        }
-        (checks, blind == 0)
-    } else {
-        let checks = crate::verify::verify(&wanted, a.long, &mut told)?;
-        let passed = checks.iter().all(|c| c.pass);
-        (checks, passed)
-    };
+    let run = if a.self_check { crate::verify::self_check } else { crate::verify::verify };
+    let checks = run(&wanted, a.long, &mut told)?;
     if checks.is_empty() {
-        return Err(Failure::input(format!("no case named {:?}; cases: {}", a.cases, crate::verify::names().join(", "))));
+        return Err(Failure::input(format!("{}: runs only with --long", a.cases.join(", "))));
     }
+    // A twisted case that still passes is blind.
+    let bad = checks.iter().filter(|c| c.pass == a.self_check).count();
     if json {
-        print_json(&json!(checks));
+        print_json(&json!(checks))?;
     } else {
-        let failed = checks.iter().filter(|c| c.pass == a.self_check).count();
-        println!("{} checked, {failed} failed", show::count(checks.len(), "quantity"));
+        let count = show::count(checks.len(), "quantity");
+        let line = if a.self_check {
+            format!("{count} twisted, {bad} unnoticed\n")
+        } else {
+            format!("{count} checked, {bad} failed\n")
+        };
+        print(&line)?;
     }
-    Ok(if passed { Exit::Fine } else { Exit::OutsideAccuracy })
+    Ok(if bad == 0 { Exit::Fine } else { Exit::OutsideAccuracy })
+}
+
+/// Refuses a word that no case has in its name, so that a slip of the pen does not skip a case.
+fn all_known(cases: &[String]) -> Result<(), Failure> {
+    let names = crate::verify::names();
+    match cases.iter().find(|case| !names.iter().any(|name| name.contains(case.as_str()))) {
+        Some(case) => {
+            Err(Failure::input(format!("no case named {case}\n  help: the cases are {}", names.join(", "))))
+        }
+        None => Ok(()),
+    }
 }

@@ -1,8 +1,7 @@
 //! The verb `record`, in its first form: what was found in the files, and its measures.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "the command line is where printing belongs")]
 
 use super::arguments::RecordArguments;
-use super::{Exit, Failure, print_json, show};
+use super::{Exit, Failure, print, print_json, show};
 use crate::motion_input::measures_json;
 use hati_inputs::measures::Measures;
 use hati_inputs::motion::{Motion, Offset, Quantity};
@@ -21,9 +20,9 @@ pub(super) fn record(a: &RecordArguments, json: bool) -> Result<Exit, Failure> {
         channels.push(measure(channel, a.keep_offset)?);
     }
     if json {
-        print_json(&json!({ "channels": channels }));
+        print_json(&json!({ "channels": channels }))?;
     } else {
-        print!("{}", show::channels(&channels));
+        print(&show::channels(&channels))?;
     }
     Ok(Exit::Fine)
 }

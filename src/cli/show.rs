@@ -1,7 +1,7 @@
 //! Plans, summaries and progress as text.
-#![allow(clippy::print_stderr, reason = "the command line is where printing belongs")]
 
 use crate::plan::Plan;
+use crate::verify::Check;
 use hati_inputs::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
@@ -42,6 +42,15 @@ pub(super) fn plan(scene: &Scene, plan: &Plan) -> String {
     text
 }
 
+/// A quantity of the self-check: to miss its twisted reference is what it should do.
+pub(super) fn twisted(check: &Check) -> String {
+    let word = if check.pass { "BLIND  " } else { "noticed" };
+    format!(
+        "{word} {:<20} {}: {:.6e} against {:.6e}, error {:.2e} (limit {:.1e})",
+        check.case, check.quantity, check.value, check.reference, check.error, check.limit
+    )
+}
+
 /// The end of a run.
 pub(super) fn summary(summary: &Value) -> String {
     let number = |path: &str| summary.pointer(path).and_then(Value::as_f64).unwrap_or(f64::NAN);
@@ -54,7 +63,8 @@ pub(super) fn summary(summary: &Value) -> String {
         number("/energy/closing_error"),
     );
     for axis in ["x", "y", "z"] {
-        let pga = |place: &str| summary.pointer(&format!("/results/{place}/{axis}/pga")).and_then(Value::as_f64);
+        let pga =
+            |place: &str| summary.pointer(&format!("/results/{place}/{axis}/pga")).and_then(Value::as_f64);
         if let Some(surface) = pga("surface") {
             let below = pga("outcrop").map(|o| format!("outcrop {o:.4}, ")).unwrap_or_default();
             let within = pga("within").unwrap_or(f64::NAN);
@@ -66,18 +76,38 @@ pub(super) fn summary(summary: &Value) -> String {
 
 /// A table of channels.
 pub(super) fn channels(channels: &[Value]) -> String {
-    let head = ["channel", "format", "stored", "npts", "dt s", "PGA m/s²", "PGV m/s", "PGD m", "Arias m/s", "CAV m/s", "D5-95 s"];
+    let head = [
+        "channel",
+        "format",
+        "stored",
+        "npts",
+        "dt s",
+        "PGA m/s²",
+        "PGV m/s",
+        "PGD m",
+        "Arias m/s",
+        "CAV m/s",
+        "D5-95 s",
+    ];
     let text = |v: &Value| v.as_str().unwrap_or("").to_string();
     let number = |v: &Value| v.as_f64().map_or_else(String::new, |x| format!("{x:.4e}"));
     let rows: Vec<Vec<String>> = (channels.iter())
         .map(|c| {
-            let mut row = vec![text(&c["id"]), text(&c["format"]), text(&c["unit_stored"]), c["npts"].to_string(), c["dt"].to_string()];
+            let mut row = vec![
+                text(&c["id"]),
+                text(&c["format"]),
+                text(&c["unit_stored"]),
+                c["npts"].to_string(),
+                c["dt"].to_string(),
+            ];
             row.extend(["pga", "pgv", "pgd", "arias", "cav", "d5_95"].map(|k| number(&c[k])));
             row
         })
         .collect();
     let width: Vec<usize> = (0..head.len())
-        .map(|i| rows.iter().map(|r| r[i].chars().count()).chain([head[i].chars().count()]).max().unwrap_or(0))
+        .map(|i| {
+            rows.iter().map(|r| r[i].chars().count()).chain([head[i].chars().count()]).max().unwrap_or(0)
+        })
         .collect();
     let line = |cells: &[String]| {
         let padded: Vec<String> = cells.iter().zip(&width).map(|(c, &w)| format!("{c:<w$}")).collect();
@@ -110,7 +140,7 @@ impl Meter {
         match &self.bar {
             Some(bar) => bar.set_position(done as u64),
             None if self.last.elapsed() > Duration::from_secs(10) => {
-                eprintln!("hati: {done} of {all} samples, {seconds:.0} s");
+                super::note(&format!("{done} of {all} samples, {seconds:.0} s"));
                 self.last = Instant::now();
             }
             None => {}

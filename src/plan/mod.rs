@@ -31,7 +31,9 @@ pub enum PlanError {
     #[error(transparent)]
     Coupling(#[from] hati_coupling::CouplingError),
     /// The given step is too long.
-    #[error("discretisation.dt = {dt:.4e} s is unstable: the critical step is {dt_critical:.4e} s, bounded by layer `{layer}` (element of {height:.3} m at {top:.2} m depth)\n  help: give dt ≤ {safe:.3e} s, or leave it to \"auto\"")]
+    #[error(
+        "discretisation.dt = {dt:.4e} s is unstable: the critical step is {dt_critical:.4e} s, bounded by layer `{layer}` (element of {height:.3} m at {top:.2} m depth)\n  help: give dt ≤ {safe:.3e} s, or leave it to \"auto\""
+    )]
     UnstableStep {
         /// Step that results from the scene, s.
         dt: f64,
@@ -47,7 +49,9 @@ pub enum PlanError {
         safe: f64,
     },
     /// The band holds no energy or no frequency.
-    #[error("motion.band = {f_min:.4}–{f_max:.4} Hz holds nothing of the motion: {why}\n  help: give motion.band = [f_min, f_max] inside 0–{nyquist} Hz, or \"auto\"")]
+    #[error(
+        "motion.band = {f_min:.4}–{f_max:.4} Hz holds nothing of the motion: {why}\n  help: give motion.band = [f_min, f_max] inside 0–{nyquist} Hz, or \"auto\""
+    )]
     Band {
         /// Lower end, Hz.
         f_min: f64,
@@ -198,8 +202,15 @@ impl Plan {
 
     /// The same scene and motion with another target and other fixed sizes.
     pub fn replanned(&self, target: f64, fixed: &Fixed) -> Result<Self, PlanError> {
-        let sizer =
-            sizer(&self.column, self.control, &self.input, &self.axes, self.band, &self.stations, self.samples)?;
+        let sizer = sizer(
+            &self.column,
+            self.control,
+            &self.input,
+            &self.axes,
+            self.band,
+            &self.stations,
+            self.samples,
+        )?;
         let search = sizer.search(target, fixed)?;
         let arms = sizer.arms(search.chosen.mechanisms)?;
         let (dt_critical, limiting) = sizer.critical_step(&search.chosen.discretisation, &arms)?;
@@ -246,14 +257,26 @@ impl Plan {
         let c = &self.search.chosen;
         let [space, fit, time] = self.search.parts;
         let weighed = self.search.weighed.len();
-        notes.add("discretisation.order", self.discretisation.order.to_string(), d.order.is_auto(), by(
+        notes.add(
+            "discretisation.order",
+            self.discretisation.order.to_string(),
             d.order.is_auto(),
-            format!("cheapest of {weighed} weighed whose predicted error stays under {:.2e}", TARGET_SHARE * self.accuracy),
-        ), json!(self.discretisation.order));
-        notes.add("discretisation.elements", format!("{:?}", self.discretisation.elements), d.elements.is_auto(), by(
+            by(
+                d.order.is_auto(),
+                format!(
+                    "cheapest of {weighed} weighed whose predicted error stays under {:.2e}",
+                    TARGET_SHARE * self.accuracy
+                ),
+            ),
+            json!(self.discretisation.order),
+        );
+        notes.add(
+            "discretisation.elements",
+            format!("{:?}", self.discretisation.elements),
             d.elements.is_auto(),
-            format!("space error {space:.1e}; {} points", self.points()),
-        ), json!(self.discretisation.elements));
+            by(d.elements.is_auto(), format!("space error {space:.1e}; {} points", self.points())),
+            json!(self.discretisation.elements),
+        );
         let layer = &self.profile.layers[self.limiting.layer].name;
         notes.add("discretisation.dt", format!("{:.6e} s", self.dt()), d.dt.is_auto(), by(
             d.dt.is_auto(),
@@ -262,9 +285,19 @@ impl Plan {
                 self.substeps, self.dt_critical, self.limiting.height
             ),
         ), json!(self.dt()));
-        let arms = if self.mechanisms == 0 { "no damping".to_string() } else { format!("error of the damping fit {fit:.1e}") };
+        let arms = if self.mechanisms == 0 {
+            "no damping".to_string()
+        } else {
+            format!("error of the damping fit {fit:.1e}")
+        };
         if self.mechanisms > 0 {
-            notes.add("discretisation.mechanisms", self.mechanisms.to_string(), d.mechanisms.is_auto(), by(d.mechanisms.is_auto(), arms), json!(self.mechanisms));
+            notes.add(
+                "discretisation.mechanisms",
+                self.mechanisms.to_string(),
+                d.mechanisms.is_auto(),
+                by(d.mechanisms.is_auto(), arms),
+                json!(self.mechanisms),
+            );
         }
         notes.reasons.push(Reason {
             key: "accuracy".into(),
@@ -289,7 +322,9 @@ impl Plan {
             "not reached with the values that the scene fixes".into()
         } else {
             let [space, fit, time] = self.search.parts;
-            format!("relative L2 of acceleration at the worst station, in the band: space {space:.1e}, damping fit {fit:.1e}, time {time:.1e}")
+            format!(
+                "relative L2 of acceleration at the worst station, in the band: space {space:.1e}, damping fit {fit:.1e}, time {time:.1e}"
+            )
         }
     }
 
@@ -356,25 +391,42 @@ fn choose_band(scene: &Scene, input: &MotionInput, notes: &mut Notes) -> Result<
     let lowest = 1.0 / (input.motion.len() as f64 * dt);
     let (f_min, f_max, why) = match scene.motion.band {
         Band::Range([a, b]) => (a, b, "user".to_string()),
-        Band::Full => (lowest, nyquist, "user: all that the record holds, from one period in its length to Nyquist".into()),
+        Band::Full => (
+            lowest,
+            nyquist,
+            "user: all that the record holds, from one period in its length to Nyquist".into(),
+        ),
         Band::Auto => {
             let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
             for a in input.motion.components.iter().flatten() {
                 let (f0, f1) = usable_band(a, dt, scene.accuracy);
                 (low, high) = (low.min(f0), high.max(f1));
             }
-            (low, high, format!("outside lies less than (accuracy/2)² = {:.1e} of the energy of the acceleration", 0.25 * scene.accuracy.powi(2)))
+            (
+                low,
+                high,
+                format!(
+                    "outside lies less than (accuracy/2)² = {:.1e} of the energy of the acceleration",
+                    0.25 * scene.accuracy.powi(2)
+                ),
+            )
         }
     };
     let bad = |why: &str| Err(PlanError::Band { f_min, f_max, nyquist, why: why.into() });
     if f_max > nyquist * (1.0 + 1e-9) {
         return bad("it ends above the Nyquist frequency of the motion");
     }
-    if !(f_min < f_max) {
+    if f_min >= f_max {
         return bad("its lower end is not below its upper end");
     }
     let auto = scene.motion.band == Band::Auto;
-    notes.add("motion.band", format!("{f_min:.4}–{f_max:.3} Hz"), auto, if auto { format!("auto: {why}") } else { why }, json!([f_min, f_max]));
+    notes.add(
+        "motion.band",
+        format!("{f_min:.4}–{f_max:.3} Hz"),
+        auto,
+        if auto { format!("auto: {why}") } else { why },
+        json!([f_min, f_max]),
+    );
     Ok((f_min, f_max))
 }
 
@@ -382,11 +434,29 @@ fn profile(scene: &Scene, band: (f64, f64), notes: &mut Notes) -> Profile {
     let auto = scene.soil.reference_frequency;
     let reference_frequency = auto.value().copied().unwrap_or_else(|| (band.0 * band.1).sqrt());
     let why = if auto.is_auto() { "auto: geometric mean of the band" } else { "user" };
-    notes.add("soil.reference_frequency", format!("{reference_frequency:.4} Hz"), auto.is_auto(), why.into(), json!(reference_frequency));
+    notes.add(
+        "soil.reference_frequency",
+        format!("{reference_frequency:.4} Hz"),
+        auto.is_auto(),
+        why.into(),
+        json!(reference_frequency),
+    );
     let layers = (scene.layers().into_iter())
-        .map(|l| Layer { name: l.name, thickness: l.thickness, vs: l.vs, vp: l.vp, rho: l.rho, damping_s: l.damping, damping_p: l.damping_p })
+        .map(|l| Layer {
+            name: l.name,
+            thickness: l.thickness,
+            vs: l.vs,
+            vp: l.vp,
+            rho: l.rho,
+            damping_s: l.damping,
+            damping_p: l.damping_p,
+        })
         .collect();
-    let base = scene.soil.base.half_space().map_or(Base::Rigid, |h| Base::Elastic { vs: h.vs, vp: h.vp, rho: h.rho });
+    let base = scene.soil.base.half_space().map_or(Base::Rigid, |h| Base::Elastic {
+        vs: h.vs,
+        vp: h.vp,
+        rho: h.rho,
+    });
     Profile { layers, base, reference_frequency }
 }
 
@@ -404,7 +474,10 @@ fn lead_and_tail(
     let lead = if control == Control::Surface { 1.0 + 2.0 * travel } else { 0.0 };
     let auto = scene.discretisation.tail;
     let tail = auto.value().copied().unwrap_or_else(|| {
-        axes.iter().map(|&a| decay_time(column, a, 0.1 * scene.accuracy)).fold(0.0, f64::max).clamp(1.0, TAIL_MAX)
+        axes.iter()
+            .map(|&a| decay_time(column, a, 0.1 * scene.accuracy))
+            .fold(0.0, f64::max)
+            .clamp(1.0, TAIL_MAX)
     });
     let why = if auto.is_auto() {
         format!("auto: free vibration decays to {:.0e} (at most {TAIL_MAX} s)", 0.1 * scene.accuracy)
@@ -445,7 +518,13 @@ fn decay_time(column: &Profile, axis: usize, level: f64) -> f64 {
     if loss <= 0.0 { f64::INFINITY } else { -2.0 * travel * level.ln() / loss }
 }
 
-fn extend(mut input: MotionInput, band: (f64, f64), lead: usize, tail: usize, scene: &Scene) -> Result<MotionInput, PlanError> {
+fn extend(
+    mut input: MotionInput,
+    band: (f64, f64),
+    lead: usize,
+    tail: usize,
+    scene: &Scene,
+) -> Result<MotionInput, PlanError> {
     let motion = &mut input.motion;
     let nyquist = 0.5 / motion.dt;
     for component in motion.components.iter_mut().flatten() {
@@ -484,7 +563,12 @@ fn sizer<'a>(
         weights.push(Weight { axis, power });
     }
     if frequencies.is_empty() {
-        return Err(PlanError::Band { f_min: band.0, f_max: band.1, nyquist: 0.5 / dt, why: "no frequency of the record falls into it".into() });
+        return Err(PlanError::Band {
+            f_min: band.0,
+            f_max: band.1,
+            nyquist: 0.5 / dt,
+            why: "no frequency of the record falls into it".into(),
+        });
     }
     Ok(Sizer {
         profile: column,
@@ -540,7 +624,13 @@ fn fixed(scene: &Scene, sample_dt: f64) -> Fixed {
     }
 }
 
-fn field_depths(scene: &Scene, column: &Profile, band: (f64, f64), axes: &[usize], notes: &mut Notes) -> Vec<f64> {
+fn field_depths(
+    scene: &Scene,
+    column: &Profile,
+    band: (f64, f64),
+    axes: &[usize],
+    notes: &mut Notes,
+) -> Vec<f64> {
     let depth = column.depth();
     let (spacing, auto, why) = match scene.output.field_spacing {
         FieldSpacing::None => return vec![],
@@ -551,7 +641,11 @@ fn field_depths(scene: &Scene, column: &Profile, band: (f64, f64), axes: &[usize
                 .flat_map(|&a| column.layers.iter().map(move |l| l.speed(a) / band.1))
                 .fold(f64::INFINITY, f64::min);
             let wanted = (shortest / 8.0).clamp(depth / 200.0, depth / 20.0);
-            (round_125(wanted), true, "auto: about 8 points in the shortest wavelength, 20 to 200 over the column".into())
+            (
+                round_125(wanted),
+                true,
+                "auto: about 8 points in the shortest wavelength, 20 to 200 over the column".into(),
+            )
         }
     };
     let count = (depth / spacing * (1.0 + 1e-12)).floor() as usize;

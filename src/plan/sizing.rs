@@ -88,9 +88,11 @@ pub struct Sizer<'a> {
     pub samples: usize,
 }
 
-/// Seconds per point, component and step, measured on the reference machine: constant, per order, per
-/// mechanism. Only ratios matter for the choice; the plan prints the time as an estimate.
-const COST: [f64; 3] = [2.0e-9, 0.35e-9, 0.9e-9];
+/// Nanoseconds of a column's step: constant, and per block of four elements with n points and L
+/// mechanisms a constant, n, n² and n·L. From `cargo bench -p hati-sem` on one 2.x GHz server core; only
+/// ratios matter for the choice, the plan prints the sum as an estimate.
+const COST_STEP: f64 = 30.0;
+const COST_BLOCK: [f64; 4] = [25.0, 12.0, 2.0, 6.5];
 
 impl Sizer<'_> {
     fn axes(&self) -> Vec<usize> {
@@ -127,8 +129,7 @@ impl Sizer<'_> {
         let mut all = vec![];
         for weight in &self.weights {
             let laws = self.laws(weight.axis, arms);
-            let response =
-                FrequencyResponse::new(self.profile, mesh, weight.axis, &laws, symbol, &depths)?;
+            let response = FrequencyResponse::new(self.profile, mesh, weight.axis, &laws, symbol, &depths)?;
             let mut values = Vec::with_capacity(self.frequencies.len() * self.stations.len());
             for &f in &self.frequencies {
                 let t = response.at(f);
@@ -196,7 +197,8 @@ impl Sizer<'_> {
             a
         };
         let fits = self.fits(fixed, &converged, &subtract)?;
-        let fit_errors: Vec<f64> = fits.iter().map(|f| self.error(&[(&f.difference, 1.0)], &reference)).collect();
+        let fit_errors: Vec<f64> =
+            fits.iter().map(|f| self.error(&[(&f.difference, 1.0)], &reference)).collect();
         let probe_dt = 0.01 / self.band.1;
         let time = subtract(self.responses(&converged, None, TimeSymbol::CentralDifference(probe_dt))?);
         let time_error = self.error(&[(&time, 1.0)], &reference);
@@ -321,7 +323,8 @@ impl Sizer<'_> {
         for order in orders {
             let mut before: Option<Vec<usize>> = None;
             for step in 0..24 {
-                let points = 1.6 * 1.19_f64.powi(step) * if order <= 2 { 1.19_f64.powi(2 * step) } else { 1.0 };
+                let points =
+                    1.6 * 1.19_f64.powi(step) * if order <= 2 { 1.19_f64.powi(2 * step) } else { 1.0 };
                 let elements = match &fixed.elements {
                     Some(elements) => elements.clone(),
                     None => self.elements(points / order as f64),
@@ -358,20 +361,30 @@ impl Sizer<'_> {
 
     /// Estimated solver time of a candidate, s.
     pub fn cost(&self, mesh: &Discretisation, mechanisms: usize, substeps: usize) -> f64 {
-        let points = (mesh.elements.iter().sum::<usize>() * mesh.order + 1) as f64;
-        let each = COST[0] + COST[1] * mesh.order as f64 + COST[2] * mechanisms as f64;
-        points * each * (self.samples * substeps * self.weights.len()) as f64
+        let blocks = mesh.elements.iter().sum::<usize>().div_ceil(4) as f64;
+        let (n, l) = ((mesh.order + 1) as f64, mechanisms as f64);
+        let [fixed, row, square, arm] = COST_BLOCK;
+        let step = COST_STEP + blocks * (fixed + row * n + square * n * n + arm * n * l);
+        1e-9 * step * (self.samples * substeps * self.weights.len()) as f64
     }
 
     /// Critical step of the assembled column and the element that limits it.
-    pub fn critical_step(&self, mesh: &Discretisation, arms: &[[MaxwellArms; 3]]) -> Result<(f64, Element), PlanError> {
+    pub fn critical_step(
+        &self,
+        mesh: &Discretisation,
+        arms: &[[MaxwellArms; 3]],
+    ) -> Result<(f64, Element), PlanError> {
         let imposed = self.profile.base == hati_sem::soil::Base::Rigid;
         Ok(Column::critical_step(self.profile, mesh, arms, &self.axes(), imposed)?)
     }
 }
 
 /// Arms of every layer and component of a profile.
-pub fn fit_arms(profile: &Profile, band: (f64, f64), mechanisms: usize) -> Result<Vec<[MaxwellArms; 3]>, PlanError> {
+pub fn fit_arms(
+    profile: &Profile,
+    band: (f64, f64),
+    mechanisms: usize,
+) -> Result<Vec<[MaxwellArms; 3]>, PlanError> {
     let mut known: Vec<(f64, MaxwellArms)> = vec![];
     let mut fit = |damping: f64| -> Result<MaxwellArms, PlanError> {
         if mechanisms == 0 {

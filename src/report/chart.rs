@@ -25,7 +25,9 @@ const STROKES: [(&str, &str); 8] = [
 pub(crate) fn chart_figure(title: &str, accuracy: f64, points: &[Point]) -> String {
     let mut figure = Figure::new("chart", &format!("Error against cost: {title}"), WIDTH, HEIGHT);
     let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.filter(|v| *v > 0.0 && v.is_finite()).fold((f64::INFINITY, 0.0_f64), |m, v| (m.0.min(v), m.1.max(v)))
+        values
+            .filter(|v| *v > 0.0 && v.is_finite())
+            .fold((f64::INFINITY, 0.0_f64), |m, v| (m.0.min(v), m.1.max(v)))
     };
     let (t0, t1) = range(&mut points.iter().map(|p| p.seconds));
     let (e0, e1) = range(&mut points.iter().flat_map(|p| [p.measured, p.predicted]).chain([accuracy]));
@@ -93,7 +95,7 @@ pub(crate) fn chart_page(scene: &Scene, points: &[Point], svg: &str) -> String {
          svg{{max-width:100%;height:auto}}table{{border-collapse:collapse;font-size:.85rem}}\
          th,td{{padding:.25rem .7rem;text-align:left;border-bottom:1px solid #e4e7eb}}.auto{{font-weight:700;background:#fffbea}}</style></head>\
          <body><h1>{title}</h1><p>Each point is a run of this scene, its error measured against a run four times finer than the most \
-         accurate of them, its time the median of three. Lower left is better. <code>auto</code> took the highlighted one \
+         accurate of them, its time (steps alone) the median over rounds in which all take turns. Lower left is better. <code>auto</code> took the highlighted one \
          for an asked accuracy of {asked}.</p>{svg}<table><thead><tr><th>order</th><th>elements per layer</th><th>points</th>\
          <th>steps per sample</th><th>mechanisms</th><th>predicted error</th><th>measured error</th><th>solver s</th></tr></thead>\
          <tbody>{rows}</tbody></table></body></html>\n",

@@ -284,10 +284,8 @@ fn step(summary: &Value) -> String {
         ("critical step", duration(critical)),
         ("limited by", text(summary, &["model", "limited_by"])),
         ("steps", text(summary, &["model", "steps"])),
-        (
-            "elements, order",
-            format!("{}, {}", text(summary, &["model", "elements"]), text(summary, &["model", "order"])),
-        ),
+        ("elements", elements(summary)),
+        ("order", text(summary, &["model", "order"])),
         ("points", text(summary, &["model", "points"])),
         ("damping mechanisms", show(at(summary, &["model", "mechanisms"]))),
         ("band", band(summary)),
@@ -299,8 +297,7 @@ fn step(summary: &Value) -> String {
 
 /// Number of elements: one number, or one per layer with their sum.
 fn elements(summary: &Value) -> String {
-    let counts: Vec<u64> =
-        list(summary, &["model", "elements"]).iter().filter_map(Value::as_u64).collect();
+    let counts: Vec<u64> = list(summary, &["model", "elements"]).iter().filter_map(Value::as_u64).collect();
     match counts.as_slice() {
         [] => text(summary, &["model", "elements"]),
         counts => {

@@ -42,10 +42,7 @@ pub fn write_report(dir: &Path, data: &SiteResponse) -> Result<(), OutputError> 
     let mut components = Vec::new();
     for axis in active_axes(data) {
         let view = View::new(data, axis, &measures, &periods);
-        components.push(Component {
-            axis,
-            entries: entries(&view)?,
-        });
+        components.push(Component { axis, entries: entries(&view)? });
     }
     let ledger = figures::ledger(data).map(|plate| Entry {
         plate,
@@ -74,12 +71,7 @@ fn active_axes(data: &SiteResponse) -> Vec<usize> {
 fn entries(view: &View<'_>) -> Result<Vec<Entry>, OutputError> {
     let mut entries = Vec::new();
     let mut add = |plate: Option<Plate>, heading, folded, words: String| {
-        entries.extend(plate.map(|plate| Entry {
-            plate,
-            heading,
-            folded,
-            words,
-        }));
+        entries.extend(plate.map(|plate| Entry { plate, heading, folded, words }));
     };
     let none = String::new;
     add(figures::histories(view, Motion::Acceleration), "Time histories", false, none());

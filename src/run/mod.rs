@@ -74,6 +74,8 @@ pub struct Simulation {
     pub drive: Drive,
     /// Seconds spent in steps and samples.
     pub solver_seconds: f64,
+    /// Seconds of these spent in steps alone.
+    pub step_seconds: f64,
 }
 
 impl Simulation {
@@ -83,18 +85,20 @@ impl Simulation {
         let base = drive.base.clone();
         let mut column = Column::new(&plan.column, &plan.discretisation, &plan.arms, plan.dt(), base)?;
         let recorder = Recorder::new(plan, &mut column, velocity_scale(plan, &drive))?;
-        Ok(Self { column, recorder, drive, solver_seconds: 0.0 })
+        Ok(Self { column, recorder, drive, solver_seconds: 0.0, step_seconds: 0.0 })
     }
 
     /// Steps to the next sample instant and takes it. Allocates nothing.
     ///
     /// Errors: growth without physical cause, with the place and the likely reason.
     pub fn advance(&mut self, plan: &Plan) -> Result<(), CouplingError> {
-        let steps = if self.recorder.len() == 0 { 1 } else { plan.substeps };
+        let steps = if self.recorder.samples_taken() == 0 { 1 } else { plan.substeps };
+        let start = Instant::now();
         for _ in 0..steps {
             self.column.step();
         }
-        let elapsed = plan.time_first() + self.recorder.len() as f64 * plan.sample_dt;
+        self.step_seconds += start.elapsed().as_secs_f64();
+        let elapsed = plan.time_first() + self.recorder.samples_taken() as f64 * plan.sample_dt;
         let energies = self.recorder.sample(&mut self.column, elapsed);
         if self.recorder.grows_without_cause(&energies) {
             return Err(unstable(plan, &self.column, elapsed));
@@ -105,7 +109,7 @@ impl Simulation {
     /// Runs to the end without writing anything.
     pub fn run_through(&mut self, plan: &Plan) -> Result<(), CouplingError> {
         let start = Instant::now();
-        while self.recorder.len() < plan.samples {
+        while self.recorder.samples_taken() < plan.samples {
             self.advance(plan)?;
         }
         self.solver_seconds += start.elapsed().as_secs_f64();
@@ -114,7 +118,7 @@ impl Simulation {
 
     /// Input traces: outcrop (or, for a rigid base, nothing, since `within` is the input).
     pub fn input_traces(&self, plan: &Plan) -> Vec<Trace> {
-        let n = self.recorder.len();
+        let n = self.recorder.samples_taken();
         let mut traces = vec![];
         for (c, &axis) in plan.axes.iter().enumerate() {
             let a = if !plan.imposed() {
@@ -150,7 +154,10 @@ fn velocity_scale(plan: &Plan, drive: &Drive) -> f64 {
 
 fn unstable(plan: &Plan, column: &Column, time: f64) -> CouplingError {
     let (v, depth) = column.fastest_point();
-    let layer = column.mesh().probe(depth.min(plan.column.depth())).map_or(0, |p| column.mesh().elements[p.element].layer);
+    let layer = column
+        .mesh()
+        .probe(depth.min(plan.column.depth()))
+        .map_or(0, |p| column.mesh().elements[p.element].layer);
     CouplingError::Unstable {
         subdomain: column.name().into(),
         time,
@@ -163,7 +170,8 @@ fn unstable(plan: &Plan, column: &Column, time: f64) -> CouplingError {
         likely: if plan.dt() > plan.dt_critical {
             "the step is above its critical value: leave discretisation.dt to \"auto\"".into()
         } else {
-            "the step is below its critical value, so this is a fault of the program: please report the scene".into()
+            "the step is below its critical value, so this is a fault of the program: please report the scene"
+                .into()
         },
     }
 }
@@ -173,7 +181,12 @@ fn unstable(plan: &Plan, column: &Column, time: f64) -> CouplingError {
 /// The folder holds `scene.resolved.toml`, `stations.nc`, `field.nc`, `ledger.nc`, `summary.json`,
 /// `progress.json`, `report.html` and `figures/`. Files are complete after every append; an interrupt
 /// ends the run at the next sample with valid files and the status `interrupted`.
-pub fn run(scene: &Scene, plan: &Plan, out: &Path, control: &mut RunControl<'_>) -> Result<Outcome, RunError> {
+pub fn run(
+    scene: &Scene,
+    plan: &Plan,
+    out: &Path,
+    control: &mut RunControl<'_>,
+) -> Result<Outcome, RunError> {
     let wall = Instant::now();
     let resolved = resolved_toml(scene, &plan.resolved);
     let mut files = Files::create(out, scene, plan, &resolved, &control.history)?;
@@ -181,14 +194,16 @@ pub fn run(scene: &Scene, plan: &Plan, out: &Path, control: &mut RunControl<'_>)
     files.open_streams(plan, &simulation)?;
     let mut interrupted = false;
     let mut last_sync = Instant::now();
-    while simulation.recorder.len() < plan.samples {
-        if control.interrupt.load(Ordering::Relaxed) || control.max_wall_time.is_some_and(|t| wall.elapsed() > t) {
+    while simulation.recorder.samples_taken() < plan.samples {
+        if control.interrupt.load(Ordering::Relaxed)
+            || control.max_wall_time.is_some_and(|t| wall.elapsed() > t)
+        {
             interrupted = true;
             break;
         }
         let start = Instant::now();
         let due = (files.written + CHUNK).min(plan.samples);
-        while simulation.recorder.len() < due {
+        while simulation.recorder.samples_taken() < due {
             simulation.advance(plan).inspect_err(|_| files.note_failure(out, plan))?;
             let slow = start.elapsed() > Duration::from_millis(500);
             if slow || control.interrupt.load(Ordering::Relaxed) {
@@ -196,13 +211,13 @@ pub fn run(scene: &Scene, plan: &Plan, out: &Path, control: &mut RunControl<'_>)
             }
         }
         simulation.solver_seconds += start.elapsed().as_secs_f64();
-        let full = simulation.recorder.len() == due;
+        let full = simulation.recorder.samples_taken() == due;
         if full || last_sync.elapsed() > Duration::from_secs(4) {
             files.append(plan, &mut simulation)?;
             write_progress(&out.join("progress.json"), &progress(plan, &simulation))?;
             last_sync = Instant::now();
         }
-        (control.progress)(simulation.recorder.len(), plan.samples, simulation.solver_seconds);
+        (control.progress)(simulation.recorder.samples_taken(), plan.samples, simulation.solver_seconds);
     }
     files.append(plan, &mut simulation)?;
     let closing_error = simulation.recorder.ledger.closing_error();
@@ -222,7 +237,7 @@ pub fn run(scene: &Scene, plan: &Plan, out: &Path, control: &mut RunControl<'_>)
 }
 
 fn progress(plan: &Plan, simulation: &Simulation) -> Value {
-    let done = simulation.recorder.len();
+    let done = simulation.recorder.samples_taken();
     json!({
         "samples_done": done, "samples": plan.samples,
         "elapsed_time_s": plan.time_first() + done.saturating_sub(1) as f64 * plan.sample_dt,
@@ -252,7 +267,13 @@ struct Files {
 }
 
 impl Files {
-    fn create(out: &Path, scene: &Scene, plan: &Plan, resolved: &str, history: &str) -> Result<Self, RunError> {
+    fn create(
+        out: &Path,
+        scene: &Scene,
+        plan: &Plan,
+        resolved: &str,
+        history: &str,
+    ) -> Result<Self, RunError> {
         std::fs::create_dir_all(out)
             .map_err(|cause| OutputError::UnwritableFolder { folder: out.to_path_buf(), cause })?;
         crate::outputs::replace_bytes(&out.join("scene.resolved.toml"), resolved.as_bytes(), true)?;
@@ -276,12 +297,15 @@ impl Files {
     fn open_streams(&mut self, plan: &Plan, simulation: &Simulation) -> Result<(), RunError> {
         let layout = |t: &Trace| TraceLayout { place: t.place.clone(), depth: t.depth, axis: t.axis };
         self.inputs = if plan.imposed() { vec![] } else { whole_inputs(plan, simulation) };
-        let layouts: Vec<TraceLayout> = simulation.recorder.traces.iter().chain(&self.inputs).map(layout).collect();
-        self.stations = Some(StationsWriter::create(&self.folder.join("stations.nc"), &self.provenance, &layouts)?);
+        let layouts: Vec<TraceLayout> =
+            simulation.recorder.traces.iter().chain(&self.inputs).map(layout).collect();
+        self.stations =
+            Some(StationsWriter::create(&self.folder.join("stations.nc"), &self.provenance, &layouts)?);
         if !plan.field_depths.is_empty() {
             let path = self.folder.join("field.nc");
             let points = simulation.column.element_point_depths();
-            self.field = Some(FieldWriter::create(&path, &self.provenance, &plan.axes, &plan.field_depths, &points)?);
+            self.field =
+                Some(FieldWriter::create(&path, &self.provenance, &plan.axes, &plan.field_depths, &points)?);
         }
         self.ledger = Some(LedgerWriter::create(&self.folder.join("ledger.nc"), &self.provenance)?);
         Ok(())
@@ -289,14 +313,18 @@ impl Files {
 
     fn append(&mut self, plan: &Plan, simulation: &mut Simulation) -> Result<(), RunError> {
         let recorder = &mut simulation.recorder;
-        let range = self.written..recorder.len();
+        let range = self.written..recorder.samples_taken();
         if range.is_empty() {
             return Ok(());
         }
         let time = &recorder.time[range.clone()];
         if let Some(stations) = &mut self.stations {
-            let chunks: Vec<TraceChunk<'_>> =
-                recorder.traces.iter().chain(&self.inputs).map(|t| TraceChunk::of(t, range.clone())).collect();
+            let chunks: Vec<TraceChunk<'_>> = recorder
+                .traces
+                .iter()
+                .chain(&self.inputs)
+                .map(|t| TraceChunk::of(t, range.clone()))
+                .collect();
             stations.append(time, &chunks)?;
         }
         if let Some(field) = &mut self.field {
@@ -318,7 +346,7 @@ impl Files {
             rows.velocity.clear();
             rows.acceleration.clear();
         }
-        self.written = recorder.len();
+        self.written = recorder.samples_taken();
         Ok(())
     }
 
@@ -338,7 +366,10 @@ impl Files {
 
     /// Leaves a word in the folder before an error goes up; a failure to do so does not hide the error.
     fn note_failure(&self, out: &Path, plan: &Plan) {
-        let _ = write_progress(&out.join("progress.json"), &json!({ "status": "unstable", "samples": plan.samples }));
+        let _ = write_progress(
+            &out.join("progress.json"),
+            &json!({ "status": "unstable", "samples": plan.samples }),
+        );
     }
 }
 
@@ -388,7 +419,8 @@ fn summary(scene: &Scene, plan: &Plan, simulation: &Simulation, status: &str) ->
         },
         "cost": {
             "solver_s": simulation.solver_seconds,
-            "ns_per_point_component_step": 1e9 * simulation.solver_seconds / work.max(1.0),
+            "steps_s": simulation.step_seconds,
+            "ns_per_point_component_step": 1e9 * simulation.step_seconds / work.max(1.0),
             "solver_estimated_s": plan.search.chosen.cost,
         },
         "outputs": ["scene.resolved.toml", "stations.nc", "field.nc", "ledger.nc", "report.html", "figures/", "summary.json"],

@@ -116,8 +116,11 @@ impl Recorder {
             time: room(),
             acceleration: Vec::with_capacity(samples * plan.field_depths.len()),
         };
-        let impedance: Vec<Option<f64>> =
-            plan.axes.iter().map(|&a| if plan.imposed() { plan.profile.base.impedance(a) } else { None }).collect();
+        let impedance: Vec<Option<f64>> = plan
+            .axes
+            .iter()
+            .map(|&a| if plan.imposed() { plan.profile.base.impedance(a) } else { None })
+            .collect();
         let mass: f64 = plan.column.layers.iter().map(|l| l.rho * l.thickness).sum();
         Ok(Self {
             time: room(),
@@ -138,7 +141,7 @@ impl Recorder {
     }
 
     /// Samples taken so far.
-    pub fn len(&self) -> usize {
+    pub fn samples_taken(&self) -> usize {
         self.time.len()
     }
 

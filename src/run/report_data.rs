@@ -47,7 +47,15 @@ fn layers(plan: &Plan) -> Vec<LayerView> {
         .collect();
     if let Base::Elastic { vs, vp, rho } = plan.profile.base {
         let top = plan.profile.depth();
-        layers.push(LayerView { name: "half-space".into(), top, bottom: f64::INFINITY, vs, vp, rho, damping: 0.0 });
+        layers.push(LayerView {
+            name: "half-space".into(),
+            top,
+            bottom: f64::INFINITY,
+            vs,
+            vp,
+            rho,
+            damping: 0.0,
+        });
     }
     layers
 }
@@ -121,7 +129,10 @@ pub fn transfer_functions(plan: &Plan, traces: &[Trace]) -> Vec<TransferFunction
             let Some((_, below)) = spectrum(place) else { continue };
             let of = |law| -> Vec<Complex64> {
                 let ratio = |&f: &f64| surface_ratios(&plan.profile, axis, law, 0.0, f);
-                grid.iter().map(ratio).map(|r| if place == "outcrop" { r.outcrop } else { r.within }).collect()
+                grid.iter()
+                    .map(ratio)
+                    .map(|r| if place == "outcrop" { r.outcrop } else { r.within })
+                    .collect()
             };
             let floor = RATIO_FLOOR * below.iter().map(|b| b.norm()).fold(0.0, f64::max);
             let (f, computed) = (0..frequency.len())

@@ -53,7 +53,11 @@ pub fn measured_error(run: &Simulation, fine: &Simulation, stations: usize, comp
 /// of the finer run.
 pub(super) fn accuracy(twisted: bool) -> CaseResult {
     let twenty = twenty_layers();
-    let profiles = [("three layers", THREE_LAYERS), ("20 layers of 1–3 m", &twenty), ("soft layer in 100 m", SOFT_LAYER)];
+    let profiles = [
+        ("three layers", THREE_LAYERS),
+        ("20 layers of 1–3 m", &twenty),
+        ("soft layer in 100 m", SOFT_LAYER),
+    ];
     let mut checks = vec![];
     for (name, soil) in profiles {
         for asked in [1e-1, 1e-2, 1e-3] {
@@ -76,7 +80,15 @@ pub(super) fn accuracy(twisted: bool) -> CaseResult {
                 if coarsest { ", the coarsest permitted" } else { "" }
             );
             let reference = plan.search.chosen.error;
-            checks.push(Check { case: "accuracy", quantity, value: error, reference, error, limit: asked, pass });
+            checks.push(Check {
+                case: "accuracy",
+                quantity,
+                value: error,
+                reference,
+                error,
+                limit: asked,
+                pass,
+            });
         }
     }
     Ok(checks)

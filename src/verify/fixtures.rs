@@ -86,21 +86,31 @@ rho = 2350.0
 
 /// A scene from a soil section and extra keys; panics are impossible for the texts of this module, and
 /// a fault of theirs comes out as an error.
-pub fn scene_with(soil: &str, kind: &str, accuracy: f64, motion: &str, rest: &str) -> Result<Scene, RunError> {
+pub fn scene_with(
+    soil: &str,
+    kind: &str,
+    accuracy: f64,
+    motion: &str,
+    rest: &str,
+) -> Result<Scene, RunError> {
     let text = format!(
         "version = 1\naccuracy = {accuracy:e}\n[motion]\nkind = \"{kind}\"\n{motion}\n[motion.x]\n\
          wavelet = {{ kind = \"ricker\", frequency = 8.0, amplitude = 1.0, time = 0.5, dt = 0.01, duration = 2.0 }}\n{soil}\n{rest}\n"
     );
     load_str(&text, "built-in scene", &[]).map_err(|d| {
         let file = "built-in scene".into();
-        RunError::Plan(PlanError::Input(hati_inputs::InputError::RecordBroken { path: file, format: "scene", problem: d.to_string() }))
+        RunError::Plan(PlanError::Input(hati_inputs::InputError::RecordBroken {
+            path: file,
+            format: "scene",
+            problem: d.to_string(),
+        }))
     })
 }
 
 /// An acceleration along x as a motion input.
 pub(super) fn along_x(acceleration: Vec<f64>, dt: f64) -> Result<MotionInput, RunError> {
-    let motion =
-        Motion::new(dt, None, Quantity::Acceleration, [Some(acceleration), None, None]).map_err(PlanError::from)?;
+    let motion = Motion::new(dt, None, Quantity::Acceleration, [Some(acceleration), None, None])
+        .map_err(PlanError::from)?;
     Ok(MotionInput { motion, channels: vec![], scale: None, warnings: vec![] })
 }
 

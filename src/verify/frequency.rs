@@ -28,7 +28,12 @@ fn ratios(soil: &str, accuracy: f64, frequency: Vec<f64>, rest: &str) -> Result<
     let spectrum = |a: &[f64]| -> Vec<Complex64> { frequency.iter().map(|&f| fourier(a, dt, f)).collect() };
     let (surface, within, outcrop) = (spectrum(find("surface")), spectrum(find("within")), spectrum(&input));
     let divide = |below: &[Complex64]| surface.iter().zip(below).map(|(s, b)| s / b).collect();
-    Ok(Ratios { profile: plan.profile.clone(), outcrop: divide(&outcrop), within: divide(&within), frequency })
+    Ok(Ratios {
+        profile: plan.profile.clone(),
+        outcrop: divide(&outcrop),
+        within: divide(&within),
+        frequency,
+    })
 }
 
 /// Peak of surface/outcrop of an undamped layer at its 2.5 Hz, from the time loop: the ratio of
@@ -37,7 +42,8 @@ pub(super) fn uniform_layer(twisted: bool) -> CaseResult {
     const LIMIT: f64 = 3e-3;
     let near: Vec<f64> = (0..=60).map(|i| 2.2 + 0.01 * i as f64).collect();
     let r = ratios(UNIFORM, 1e-3, near, "")?;
-    let (k, peak) = r.outcrop.iter().map(|c| c.norm()).enumerate().fold((0, 0.0), |m, c| if c.1 > m.1 { c } else { m });
+    let (k, peak) =
+        r.outcrop.iter().map(|c| c.norm()).enumerate().fold((0, 0.0), |m, c| if c.1 > m.1 { c } else { m });
     let exact = 2300.0 * twist(twisted, LIMIT) * 1000.0 / (1900.0 * 200.0);
     let place = format!("peak of |surface/outcrop|, found at {:.2} Hz", r.frequency[k]);
     Ok(vec![Check::relative("uniform-layer", place, peak, exact, LIMIT)])
@@ -66,7 +72,9 @@ pub(super) fn three_layer_table(twisted: bool) -> CaseResult {
     let mut worst = [(0.0_f64, 0.0, 0.0); 2];
     for (f, outcrop, within) in TABLE {
         let r = surface_ratios(&profile, 0, Law::Hysteretic, 0.005, f);
-        for (w, (found, table)) in worst.iter_mut().zip([(r.outcrop.norm(), outcrop), (r.within.norm(), within)]) {
+        for (w, (found, table)) in
+            worst.iter_mut().zip([(r.outcrop.norm(), outcrop), (r.within.norm(), within)])
+        {
             let error = (found / table - 1.0).abs();
             if error >= w.0 {
                 *w = (error, found, table);
@@ -74,7 +82,13 @@ pub(super) fn three_layer_table(twisted: bool) -> CaseResult {
         }
     }
     let check = |name: &str, (_, found, table): (f64, f64, f64)| {
-        Check::relative("three-layer-table", format!("closed form, G(1+2iD), worst |surface/{name}|"), found, table, LIMIT)
+        Check::relative(
+            "three-layer-table",
+            format!("closed form, G(1+2iD), worst |surface/{name}|"),
+            found,
+            table,
+            LIMIT,
+        )
     };
     Ok(vec![check("outcrop", worst[0]), check("within", worst[1])])
 }
@@ -87,13 +101,22 @@ pub(super) fn three_layer_column(twisted: bool) -> CaseResult {
     let r = ratios(THREE_LAYERS, 1e-4, grid, "[discretisation]\ntail = 12.0")?;
     let mut profile = r.profile.clone();
     profile.layers[1].vs *= twist(twisted, LIMIT);
-    let exact: Vec<_> = r.frequency.iter().map(|&f| surface_ratios(&profile, 0, Law::Causal, 0.0, f)).collect();
+    let exact: Vec<_> =
+        r.frequency.iter().map(|&f| surface_ratios(&profile, 0, Law::Causal, 0.0, f)).collect();
     let check = |name: &str, found: &[Complex64], exact: Vec<Complex64>| {
         let peak = exact.iter().map(|e| e.norm()).fold(0.0, f64::max);
         let (value, reference) = (found.iter().map(|e| e.norm()).fold(0.0, f64::max), peak);
         let error = found.iter().zip(&exact).map(|(f, e)| (f - e).norm()).fold(0.0, f64::max) / peak;
         let quantity = format!("surface/{name}, complex, 0.3–20 Hz, largest error over peak");
-        Check { case: "three-layer-column", quantity, value, reference, error, limit: LIMIT, pass: error <= LIMIT }
+        Check {
+            case: "three-layer-column",
+            quantity,
+            value,
+            reference,
+            error,
+            limit: LIMIT,
+            pass: error <= LIMIT,
+        }
     };
     Ok(vec![
         check("outcrop", &r.outcrop, exact.iter().map(|e| e.outcrop).collect()),
@@ -112,7 +135,13 @@ pub(super) fn damping_fit(twisted: bool) -> CaseResult {
             .map(|i| arms.damping(2.0 * std::f64::consts::PI * 0.2 * 100f64.powf(i as f64 / 2000.0)))
             .max_by(|a, b| (a / asked - 1.0).abs().total_cmp(&(b / asked - 1.0).abs()))
             .unwrap_or(f64::NAN);
-        checks.push(Check::relative("damping-fit", format!("D = {damping}, worst over 0.2–20 Hz"), worst, asked, LIMIT));
+        checks.push(Check::relative(
+            "damping-fit",
+            format!("D = {damping}, worst over 0.2–20 Hz"),
+            worst,
+            asked,
+            LIMIT,
+        ));
     }
     Ok(checks)
 }

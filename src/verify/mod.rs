@@ -38,14 +38,28 @@ pub struct Check {
 
 impl Check {
     /// Relative error of a value against a reference.
-    fn relative(case: &'static str, quantity: impl Into<String>, value: f64, reference: f64, limit: f64) -> Self {
+    fn relative(
+        case: &'static str,
+        quantity: impl Into<String>,
+        value: f64,
+        reference: f64,
+        limit: f64,
+    ) -> Self {
         let error = (value / reference - 1.0).abs();
         Self { case, quantity: quantity.into(), value, reference, error, limit, pass: error <= limit }
     }
 
     /// An error by itself, which should be 0.
     fn error(case: &'static str, quantity: impl Into<String>, error: f64, limit: f64) -> Self {
-        Self { case, quantity: quantity.into(), value: error, reference: 0.0, error, limit, pass: error <= limit }
+        Self {
+            case,
+            quantity: quantity.into(),
+            value: error,
+            reference: 0.0,
+            error,
+            limit,
+            pass: error <= limit,
+        }
     }
 }
 
@@ -89,7 +103,6 @@ pub fn names() -> Vec<&'static str> {
     CASES.iter().map(|c| c.name).collect()
 }
 
-
 fn each(
     wanted: &dyn Fn(&str) -> bool,
     long: bool,
@@ -107,7 +120,11 @@ fn each(
 }
 
 /// Runs the wanted cases; `told` hears of each quantity as it is compared.
-pub fn verify(wanted: &dyn Fn(&str) -> bool, long: bool, told: &mut dyn FnMut(&Check)) -> Result<Vec<Check>, RunError> {
+pub fn verify(
+    wanted: &dyn Fn(&str) -> bool,
+    long: bool,
+    told: &mut dyn FnMut(&Check),
+) -> Result<Vec<Check>, RunError> {
     each(wanted, long, false, told)
 }
 

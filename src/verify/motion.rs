@@ -43,7 +43,13 @@ pub(super) fn surface_pga(twisted: bool) -> CaseResult {
         let exact = by_spectrum(&input, plan.sample_dt, &plan.profile);
         let surface = &simulation.recorder.traces[0].acceleration;
         let reference = twist(twisted, LIMIT) * peak(&exact);
-        checks.push(Check::relative("surface-pga", format!("PGA, m/s², {name}"), peak(surface), reference, LIMIT));
+        checks.push(Check::relative(
+            "surface-pga",
+            format!("PGA, m/s², {name}"),
+            peak(surface),
+            reference,
+            LIMIT,
+        ));
     }
     Ok(checks)
 }
@@ -66,7 +72,12 @@ pub(super) fn deconvolution(twisted: bool) -> CaseResult {
             right += b * b;
         }
         let error = (wrong / right).sqrt();
-        checks.push(Check::error("deconvolution", format!("surface record back, relative L2, {name}"), error, LIMIT));
+        checks.push(Check::error(
+            "deconvolution",
+            format!("surface record back, relative L2, {name}"),
+            error,
+            LIMIT,
+        ));
     }
     Ok(checks)
 }

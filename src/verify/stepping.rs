@@ -24,8 +24,15 @@ pub fn standing_wave_error(
     k_factor: f64,
 ) -> Result<f64, SemError> {
     let (h, c) = (10.0, 100.0);
-    let layer =
-        Layer { name: "soil".into(), thickness: h, vs: c, vp: 2.0 * c, rho: 2000.0, damping_s: 0.0, damping_p: 0.0 };
+    let layer = Layer {
+        name: "soil".into(),
+        thickness: h,
+        vs: c,
+        vp: 2.0 * c,
+        rho: 2000.0,
+        damping_s: 0.0,
+        damping_p: 0.0,
+    };
     let profile = Profile { layers: vec![layer], base: Base::Rigid, reference_frequency: 1.0 };
     let k = 1.5 * PI / h;
     let omega = k * c;
@@ -39,7 +46,8 @@ pub fn standing_wave_error(
     let (before, at) = ((seen * dt).cos(), 1.0);
     column.set_motion(0, |d| ((k * d).cos() * 0.5 * (before + at), (k * d).cos() * (at - before) / dt));
     let gauss = [-0.906179845938664, -0.538469310105683, 0.0, 0.538469310105683, 0.906179845938664];
-    let weight = [0.236926885056189, 0.478628670499366, 0.568888888888889, 0.478628670499366, 0.236926885056189];
+    let weight =
+        [0.236926885056189, 0.478628670499366, 0.568888888888889, 0.478628670499366, 0.236926885056189];
     let cells = elements * 4;
     let width = h / cells as f64;
     let probes = (0..cells)
@@ -78,11 +86,22 @@ pub(super) fn standing_wave(twisted: bool) -> CaseResult {
     };
     let k = twist(twisted, ORDER_LIMIT);
     for order in 1..=8 {
-        let elements = if order <= 2 { 16 } else if order <= 5 { 8 } else { 4 };
+        let elements = if order <= 2 {
+            16
+        } else if order <= 5 {
+            8
+        } else {
+            4
+        };
         let coarse = standing_wave_error(order, elements, 400 * elements, false, k)?;
         let fine = standing_wave_error(order, 2 * elements, 800 * elements, false, k)?;
         let observed = (coarse / fine).log2();
-        checks.push(absolute(format!("order in h, L2, N = {order}"), observed, order as f64 + 1.0, ORDER_LIMIT));
+        checks.push(absolute(
+            format!("order in h, L2, N = {order}"),
+            observed,
+            order as f64 + 1.0,
+            ORDER_LIMIT,
+        ));
     }
     let spectral = standing_wave_error(10, 3, 2000, false, twist(twisted, SPECTRAL_LIMIT))?;
     checks.push(Check::error(CASE, "L2 error at N = 10, 3 elements", spectral, SPECTRAL_LIMIT));
@@ -99,10 +118,22 @@ fn three_layers(damped: bool) -> Result<Profile, RunError> {
     let layers = (scene.layers().into_iter())
         .map(|l| {
             let d = if damped { l.damping } else { 0.0 };
-            Layer { name: l.name, thickness: l.thickness, vs: l.vs, vp: l.vp, rho: l.rho, damping_s: d, damping_p: d }
+            Layer {
+                name: l.name,
+                thickness: l.thickness,
+                vs: l.vs,
+                vp: l.vp,
+                rho: l.rho,
+                damping_s: d,
+                damping_p: d,
+            }
         })
         .collect();
-    Ok(Profile { layers, base: Base::Elastic { vs: 800.0, vp: 1400.0, rho: 2200.0 }, reference_frequency: 2.0 })
+    Ok(Profile {
+        layers,
+        base: Base::Elastic { vs: 800.0, vp: 1400.0, rho: 2200.0 },
+        reference_frequency: 2.0,
+    })
 }
 
 /// Largest velocity after `steps` at `factor` times the computed limit, from a rough start.
@@ -123,7 +154,12 @@ fn growth(order: usize, damped: bool, factor: f64, steps: usize) -> Result<f64, 
 /// Velocities that the rough start of [`growth`] cannot reach while stable, m/s.
 const BOUNDED: f64 = 1e3;
 
-fn bounds(case: &'static str, orders: std::ops::RangeInclusive<usize>, steps: usize, twisted: bool) -> CaseResult {
+fn bounds(
+    case: &'static str,
+    orders: std::ops::RangeInclusive<usize>,
+    steps: usize,
+    twisted: bool,
+) -> CaseResult {
     const LIMIT: f64 = 1e-2;
     let twist = twist(twisted, LIMIT);
     let mut checks = vec![];
@@ -142,7 +178,11 @@ fn bounds(case: &'static str, orders: std::ops::RangeInclusive<usize>, steps: us
                 below < BOUNDED,
             ));
             let grew = above.is_nan() || above > BOUNDED;
-            checks.push(check(format!("N = {order}, {word}: m/s at 1.01 of the limit grows above"), above, grew));
+            checks.push(check(
+                format!("N = {order}, {word}: m/s at 1.01 of the limit grows above"),
+                above,
+                grew,
+            ));
         }
     }
     Ok(checks)
@@ -175,7 +215,12 @@ pub(super) fn energy_ledger(twisted: bool) -> CaseResult {
                 outflow: row.outflow,
             });
         }
-        checks.push(Check::error("energy-ledger", format!("closing error, {name}"), ledger.closing_error(), limit));
+        checks.push(Check::error(
+            "energy-ledger",
+            format!("closing error, {name}"),
+            ledger.closing_error(),
+            limit,
+        ));
     }
     Ok(checks)
 }

@@ -342,7 +342,8 @@ mod tests {
         let spectrum = Spectrum::of(&x, dt, 0.0);
         assert_eq!(spectrum.bins.len(), n / 2 + 1);
         let rate = PI / dt;
-        let expected: [(i32, fn(f64) -> f64, f64); 5] = [
+        type Shape = fn(f64) -> f64;
+        let expected: [(i32, Shape, f64); 5] = [
             (0, f64::cos, 1.0),
             (1, f64::sin, -rate),
             (2, f64::cos, -rate * rate),

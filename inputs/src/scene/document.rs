@@ -165,13 +165,16 @@ pub(super) fn parse(file: &str, text: &str, lines: &Lines<'_>) -> Document {
 fn syntax_help(message: &str, found: &str) -> Option<String> {
     if message.contains("must be quoted") {
         let word = found.trim();
+        let number = word.split_whitespace().next().is_some_and(|w| w.parse::<f64>().is_ok());
         Some(if word.is_empty() {
             "give a value after the equals sign".to_owned()
+        } else if number {
+            "write the number alone, without its unit; text needs quotes".to_owned()
         } else {
             format!("a word needs quotes (\"{word}\"), a number digits only")
         })
     } else if message.contains("invalid mantissa") {
-        Some("write a digit before the point (0.5, not .5) and none of the blanks".to_owned())
+        Some("write a digit before the point: 0.5, not .5".to_owned())
     } else if message.contains("duplicate key") {
         Some("keep one of the two".to_owned())
     } else {

@@ -1,6 +1,7 @@
 //! What the tests of records need of Python: the fixtures, and the script spoken to directly.
 #![allow(dead_code, unreachable_pub)]
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -39,12 +40,22 @@ pub fn fixtures() -> Option<&'static Path> {
         if !has_obspy() {
             return None;
         }
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("records_fixtures");
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).expect("the build's own temporary folder");
+        // Tests run as processes of their own: the folder is made aside and takes its name in one step.
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("python/make_fixtures.py");
-        let status = Command::new(interpreter()).arg(script).arg(&folder).status();
-        assert!(status.is_ok_and(|status| status.success()), "the fixtures could not be made");
+        let mut key = DefaultHasher::new();
+        std::fs::read(&script).expect("the script is part of the project").hash(&mut key);
+        let folder =
+            Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("records_fixtures_{:x}", key.finish()));
+        if !folder.exists() {
+            let aside = folder.with_extension(std::process::id().to_string());
+            std::fs::create_dir_all(&aside).expect("the build's own temporary folder");
+            let status = Command::new(interpreter()).arg(script).args([&aside, &folder]).status();
+            assert!(status.is_ok_and(|status| status.success()), "the fixtures could not be made");
+            if std::fs::rename(&aside, &folder).is_err() {
+                assert!(folder.exists(), "the fixtures could not be put in place");
+                let _ = std::fs::remove_dir_all(&aside);
+            }
+        }
         Some(folder)
     });
     folder.as_deref()

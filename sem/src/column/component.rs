@@ -1,29 +1,37 @@
-use super::mesh::{Mesh, Probe};
+use super::mesh::{Element, Mesh, Probe};
 use super::{BaseMotion, PointMotion};
 use crate::attenuation::MaxwellArms;
 use crate::soil::Profile;
 use hati_coupling::Energies;
 use hati_coupling::central_difference::{drift, kick, kick_damped};
 
+/// Elements side by side.
+const WIDTH: usize = 4;
+/// One value of each element of a block.
+type Lanes = [f64; WIDTH];
+/// Most points of an element.
+const POINTS_MAX: usize = crate::gll::ORDER_MAX + 1;
+
 /// One displacement component of the column with its memory variables and its books.
 ///
-/// Element arrays are laid out `[point][element]`, so that the inner loops run over elements and
-/// vectorise whatever the order. Depth is the coordinate inside; only [`Component::strain_stress`]
-/// turns to z upwards.
+/// Elements go in blocks of [`WIDTH`] side by side: arrays are laid out `[block][point][lane]`, so that
+/// the inner loops have a fixed length and vectorise whatever the order. Lanes beyond the last element
+/// repeat it with zero moduli and are never scattered. Depth is the coordinate inside; only
+/// [`Component::strain_stress`] turns to z upwards.
 #[derive(Debug, Clone)]
 pub(super) struct Component {
     mass: Vec<f64>,
     dt_over_mass: Vec<f64>,
-    relaxed: Vec<f64>,
-    unrelaxed: Vec<f64>,
-    inverse_half_height: Vec<f64>,
+    relaxed: Vec<Lanes>,
+    unrelaxed: Vec<Lanes>,
+    inverse_half_height: Vec<Lanes>,
     arms: Vec<Arm>,
     base: BaseLoad,
     multiplier: [f64; 2],
     u: Vec<f64>,
     v: Vec<f64>,
     a: Vec<f64>,
-    strain: Vec<f64>,
+    strain: Vec<Lanes>,
     books: Books,
     scratch: Scratch,
 }
@@ -31,12 +39,12 @@ pub(super) struct Component {
 /// One mechanism over all elements.
 #[derive(Debug, Clone)]
 struct Arm {
-    decay: Vec<f64>,
-    gain: Vec<f64>,
-    modulus: Vec<f64>,
+    decay: Vec<Lanes>,
+    gain: Vec<Lanes>,
+    modulus: Vec<Lanes>,
     /// $g\,\omega\,\Delta t\,h/2$: dissipated per unit weight and squared mean strain.
-    loss: Vec<f64>,
-    strain: Vec<f64>,
+    loss: Vec<Lanes>,
+    strain: Vec<Lanes>,
 }
 
 #[derive(Debug, Clone)]
@@ -64,19 +72,9 @@ struct Books {
 /// Work arrays of the kernel, so that the loop allocates nothing.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
-    local: Vec<f64>,
-    stress: Vec<f64>,
+    /// Weighted stress $w\sigma$ at every point.
+    stress: Vec<Lanes>,
     force: Vec<f64>,
-    lane: Vec<f64>,
-    loss: Vec<f64>,
-}
-
-impl Scratch {
-    fn new(points: usize, elements: usize, nodes: usize) -> Self {
-        let n = points * elements;
-        let (local, stress) = (vec![0.0; n], vec![0.0; n]);
-        Self { local, stress, force: vec![0.0; nodes], lane: vec![0.0; elements], loss: vec![0.0; elements] }
-    }
 }
 
 impl Component {
@@ -88,24 +86,27 @@ impl Component {
         dt: f64,
         motion: BaseMotion,
     ) -> Self {
-        let (points, elements, nodes) = (mesh.order() + 1, mesh.elements.len(), mesh.nodes());
-        let per_element = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            mesh.elements.iter().map(|e| value(e.layer)).collect()
+        let (points, nodes) = (mesh.order() + 1, mesh.nodes());
+        let elements = mesh.elements.len();
+        let blocks = elements.div_ceil(WIDTH);
+        // `pad` stands in the lanes beyond the last element
+        let lanes = |pad: f64, value: &dyn Fn(&Element) -> f64| -> Vec<Lanes> {
+            (0..blocks)
+                .map(|b| std::array::from_fn(|w| mesh.elements.get(b * WIDTH + w).map_or(pad, value)))
+                .collect()
         };
         let modulus = |layer: usize| profile.layers[layer].modulus(axis);
         let mechanisms = arms.iter().map(|a| a[axis].omega.len()).max().unwrap_or(0);
         let arm = |l: usize| {
             let omega = |layer: usize| arms[layer][axis].omega.get(l).copied().unwrap_or(0.0);
             let g = |layer: usize| modulus(layer) * arms[layer][axis].modulus.get(l).copied().unwrap_or(0.0);
-            let x = |layer: usize| 0.5 * dt * omega(layer);
+            let x = |e: &Element| 0.5 * dt * omega(e.layer);
             Arm {
-                decay: per_element(&|layer| (1.0 - x(layer)) / (1.0 + x(layer))),
-                gain: per_element(&|layer| 1.0 / (1.0 + x(layer))),
-                modulus: per_element(&g),
-                loss: (mesh.elements.iter())
-                    .map(|e| g(e.layer) * omega(e.layer) * dt * 0.5 * e.height)
-                    .collect(),
-                strain: vec![0.0; points * elements],
+                decay: lanes(0.0, &|e| (1.0 - x(e)) / (1.0 + x(e))),
+                gain: lanes(0.0, &|e| 1.0 / (1.0 + x(e))),
+                modulus: lanes(0.0, &|e| g(e.layer)),
+                loss: lanes(0.0, &|e| g(e.layer) * omega(e.layer) * dt * 0.5 * e.height),
+                strain: vec![[0.0; WIDTH]; points * blocks],
             }
         };
         let mass = mesh.mass(profile);
@@ -120,18 +121,18 @@ impl Component {
         Self {
             dt_over_mass: mass.iter().map(|m| dt / m).collect(),
             mass,
-            relaxed: per_element(&|layer| modulus(layer) * arms[layer][axis].relaxed),
-            unrelaxed: per_element(&|layer| modulus(layer) * arms[layer][axis].unrelaxed()),
-            inverse_half_height: mesh.elements.iter().map(|e| 2.0 / e.height).collect(),
+            relaxed: lanes(0.0, &|e| modulus(e.layer) * arms[e.layer][axis].relaxed),
+            unrelaxed: lanes(0.0, &|e| modulus(e.layer) * arms[e.layer][axis].unrelaxed()),
+            inverse_half_height: lanes(1.0, &|e| 2.0 / e.height),
             arms: (0..mechanisms).map(arm).collect(),
             base,
             multiplier: [0.0; 2],
             u: vec![0.0; nodes],
             v: vec![0.0; nodes],
             a: vec![0.0; nodes],
-            strain: vec![0.0; points * elements],
+            strain: vec![[0.0; WIDTH]; points * blocks],
             books: Books::default(),
-            scratch: Scratch::new(points, elements, nodes),
+            scratch: Scratch { stress: vec![[0.0; WIDTH]; points * blocks], force: vec![0.0; nodes] },
         }
     }
 
@@ -184,46 +185,50 @@ impl Component {
 
     /// Strain, memory variables and internal force at the present positions.
     fn internal_force(&mut self, mesh: &Mesh) {
-        let (n, ne) = (mesh.order() + 1, mesh.elements.len());
-        let s = &mut self.scratch;
-        gather(&self.u, &mut s.local, n, ne);
-        for i in 0..n {
-            let row = i * ne..(i + 1) * ne;
-            derivative_row(mesh, &s.local, &mut s.lane, i, ne);
-            let (strain, stress) = (&mut self.strain[row.clone()], &mut s.stress[row.clone()]);
-            for e in 0..ne {
-                let new = s.lane[e] * self.inverse_half_height[e];
-                s.lane[e] = new - strain[e];
-                strain[e] = new;
-                stress[e] = self.relaxed[e] * new;
+        let n = mesh.order() + 1;
+        let Scratch { stress, force } = &mut self.scratch;
+        force.fill(0.0);
+        let mut lost = [0.0; WIDTH];
+        for b in 0..self.relaxed.len() {
+            let local = gather(&self.u, mesh, b);
+            let (relaxed, scale) = (self.relaxed[b], self.inverse_half_height[b]);
+            let strain = &mut self.strain[b * n..(b + 1) * n];
+            let stress = &mut stress[b * n..(b + 1) * n];
+            for i in 0..n {
+                let slope = derivative(mesh, &local, i);
+                let mut delta = [0.0; WIDTH];
+                for w in 0..WIDTH {
+                    let new = slope[w] * scale[w];
+                    delta[w] = new - strain[i][w];
+                    strain[i][w] = new;
+                    stress[i][w] = relaxed[w] * new;
+                }
+                let weight = mesh.gll.weights[i];
+                for arm in &mut self.arms {
+                    arm.advance(b, b * n + i, &delta, weight, &mut stress[i], &mut lost);
+                }
+                stress[i].iter_mut().for_each(|s| *s *= weight);
             }
-            let w = mesh.gll.weights[i];
-            for arm in &mut self.arms {
-                arm.advance(&s.lane, w, row.clone(), stress, &mut s.loss);
-            }
-            stress.iter_mut().for_each(|x| *x *= w);
+            scatter(mesh, stress, force, b);
         }
-        if !self.arms.is_empty() {
-            self.books.viscous += s.loss.iter().sum::<f64>();
-            s.loss.fill(0.0);
-        }
-        scatter_transposed(mesh, &s.stress, &mut s.lane, &mut s.force, n, ne);
+        self.books.viscous += lost.iter().sum::<f64>();
     }
 
     /// Force of the unrelaxed elastic column, for the spectral bound; an imposed base is fixed.
     pub(super) fn unrelaxed_force(&self, mesh: &Mesh, u: &[f64], f: &mut [f64], s: &mut Scratch) {
-        let (n, ne) = (mesh.order() + 1, mesh.elements.len());
-        s.force[..u.len()].copy_from_slice(u);
-        s.force[u.len()..].fill(0.0);
-        gather(&s.force, &mut s.local, n, ne);
-        for i in 0..n {
-            derivative_row(mesh, &s.local, &mut s.lane, i, ne);
-            for e in 0..ne {
-                s.stress[i * ne + e] =
-                    mesh.gll.weights[i] * self.unrelaxed[e] * self.inverse_half_height[e] * s.lane[e];
+        let n = mesh.order() + 1;
+        let all = [u, &[0.0][..mesh.nodes() - u.len()]].concat();
+        s.force.fill(0.0);
+        for b in 0..self.unrelaxed.len() {
+            let local = gather(&all, mesh, b);
+            let (modulus, scale) = (self.unrelaxed[b], self.inverse_half_height[b]);
+            let stress = &mut s.stress[b * n..(b + 1) * n];
+            for i in 0..n {
+                let slope = derivative(mesh, &local, i);
+                stress[i] = std::array::from_fn(|w| mesh.gll.weights[i] * modulus[w] * scale[w] * slope[w]);
             }
+            scatter(mesh, stress, &mut s.force, b);
         }
-        scatter_transposed(mesh, &s.stress, &mut s.lane, &mut s.force, n, ne);
         f.copy_from_slice(&s.force[..f.len()]);
     }
 
@@ -242,8 +247,9 @@ impl Component {
     /// Element with the largest own frequency $\sqrt{G_U/\rho}/h$.
     pub(super) fn limiting_element(&self, mesh: &Mesh) -> usize {
         let rate = |e: usize| {
+            let (b, w) = (e / WIDTH, e % WIDTH);
             let inner = e * mesh.order() + mesh.order() / 2;
-            self.unrelaxed[e] * self.inverse_half_height[e] / self.mass[inner].max(f64::MIN_POSITIVE)
+            self.unrelaxed[b][w] * self.inverse_half_height[b][w] / self.mass[inner].max(f64::MIN_POSITIVE)
         };
         (0..mesh.elements.len()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).unwrap_or(0)
     }
@@ -253,19 +259,16 @@ impl Component {
         for (i, &depth) in mesh.depth.iter().enumerate() {
             (self.u[i], self.v[i]) = motion(depth);
         }
-        let (n, ne) = (mesh.order() + 1, mesh.elements.len());
-        let s = &mut self.scratch;
-        for (f, (u, v)) in s.force.iter_mut().zip(self.u.iter().zip(&self.v)) {
-            *f = drift(*u, *v, -0.5 * dt);
-        }
-        gather(&s.force, &mut s.local, n, ne);
-        for i in 0..n {
-            derivative_row(mesh, &s.local, &mut s.lane, i, ne);
-            for e in 0..ne {
-                self.strain[i * ne + e] = s.lane[e] * self.inverse_half_height[e];
+        let n = mesh.order() + 1;
+        let before: Vec<f64> = self.u.iter().zip(&self.v).map(|(u, v)| drift(*u, *v, -0.5 * dt)).collect();
+        for b in 0..self.relaxed.len() {
+            let local = gather(&before, mesh, b);
+            for i in 0..n {
+                let slope = derivative(mesh, &local, i);
+                self.strain[b * n + i] = std::array::from_fn(|w| slope[w] * self.inverse_half_height[b][w]);
             }
         }
-        self.arms.iter_mut().for_each(|arm| arm.strain.fill(0.0));
+        self.arms.iter_mut().for_each(|arm| arm.strain.fill([0.0; WIDTH]));
     }
 
     pub(super) fn node_motion(&self, node: usize, dt: f64) -> PointMotion {
@@ -285,12 +288,12 @@ impl Component {
     }
 
     pub(super) fn strain_stress(&self, mesh: &Mesh, visit: &mut impl FnMut(usize, f64, f64)) {
-        let (n, ne) = (mesh.order() + 1, mesh.elements.len());
-        for e in 0..ne {
+        let n = mesh.order() + 1;
+        for e in 0..mesh.elements.len() {
             for i in 0..n {
-                let k = i * ne + e;
-                let stress = self.scratch.stress[k] / mesh.gll.weights[i];
-                visit(e * n + i, -self.strain[k], -stress);
+                let (k, w) = (e / WIDTH * n + i, e % WIDTH);
+                let stress = self.scratch.stress[k][w] / mesh.gll.weights[i];
+                visit(e * n + i, -self.strain[k][w], -stress);
             }
         }
     }
@@ -322,45 +325,52 @@ impl Component {
     /// Energies at the end of the last step: half a step beyond the latest kick, so the strains of the
     /// next kick are evaluated without advancing anything.
     pub(super) fn energies(&mut self, mesh: &Mesh, dt: f64) -> Energies {
-        let (n, ne) = (mesh.order() + 1, mesh.elements.len());
-        let s = &mut self.scratch;
-        for (f, (u, v)) in s.force.iter_mut().zip(self.u.iter().zip(&self.v)) {
+        let n = mesh.order() + 1;
+        let next = &mut self.scratch.force;
+        for (f, (u, v)) in next.iter_mut().zip(self.u.iter().zip(&self.v)) {
             *f = drift(*u, *v, 0.5 * dt);
         }
-        gather(&s.force, &mut s.local, n, ne);
-        let (mut strain_energy, mut viscous) = (0.0, self.books.viscous);
-        for i in 0..n {
-            derivative_row(mesh, &s.local, &mut s.lane, i, ne);
-            let w = mesh.gll.weights[i];
-            for e in 0..ne {
-                let k = i * ne + e;
-                let (old, new) = (self.strain[k], s.lane[e] * self.inverse_half_height[e]);
-                let volume = w / self.inverse_half_height[e];
-                strain_energy += 0.5 * volume * self.relaxed[e] * old * new;
+        let (mut stored, mut lost) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for b in 0..self.relaxed.len() {
+            let local = gather(next, mesh, b);
+            let scale = self.inverse_half_height[b];
+            for i in 0..n {
+                let slope = derivative(mesh, &local, i);
+                let (k, weight) = (b * n + i, mesh.gll.weights[i]);
+                let old = self.strain[k];
+                let new: Lanes = std::array::from_fn(|w| slope[w] * scale[w]);
+                for w in 0..WIDTH {
+                    stored[w] += 0.5 * weight / scale[w] * self.relaxed[b][w] * old[w] * new[w];
+                }
                 for arm in &self.arms {
-                    let before = arm.strain[k];
-                    let after = arm.decay[e] * before + arm.gain[e] * (new - old);
-                    let mean = 0.5 * (before + after);
-                    viscous += 0.5 * w * arm.loss[e] * mean * mean;
-                    strain_energy += 0.5 * volume * arm.modulus[e] * before * after
-                        - 0.125 * w * arm.loss[e] * (after * after - before * before);
+                    for w in 0..WIDTH {
+                        let before = arm.strain[k][w];
+                        let after = arm.decay[b][w] * before + arm.gain[b][w] * (new[w] - old[w]);
+                        let (mean, loss) = (0.5 * (before + after), weight * arm.loss[b][w]);
+                        lost[w] += 0.5 * loss * mean * mean;
+                        stored[w] += 0.5 * weight / scale[w] * arm.modulus[b][w] * before * after
+                            - 0.125 * loss * (after * after - before * before);
+                    }
                 }
             }
         }
+        let strain_energy = stored.iter().sum();
+        let viscous = self.books.viscous + lost.iter().sum::<f64>();
         let kinetic = self.mass.iter().zip(&self.v).map(|(m, v)| 0.5 * m * v * v).sum();
         let Books { input, outflow, .. } = self.books;
         Energies { input, kinetic, strain: strain_energy, viscous, outflow }
     }
 
     pub(super) fn state_len(&self) -> usize {
-        3 * self.u.len() + self.strain.len() * (1 + self.arms.len()) + 4
+        3 * self.u.len() + WIDTH * self.strain.len() * (1 + self.arms.len()) + 4
     }
 
     pub(super) fn save(&self, values: &mut Vec<f64>) {
-        for part in [&self.u, &self.v, &self.a, &self.strain] {
+        for part in [&self.u, &self.v, &self.a] {
             values.extend(part);
         }
-        self.arms.iter().for_each(|arm| values.extend(&arm.strain));
+        values.extend(self.strain.as_flattened());
+        self.arms.iter().for_each(|arm| values.extend(arm.strain.as_flattened()));
         let b = &self.books;
         values.extend([b.input, b.outflow, b.viscous, b.base_traction]);
     }
@@ -372,10 +382,11 @@ impl Component {
             part.copy_from_slice(own);
             rest = next;
         };
-        for part in [&mut self.u, &mut self.v, &mut self.a, &mut self.strain] {
+        for part in [&mut self.u, &mut self.v, &mut self.a] {
             take(part);
         }
-        self.arms.iter_mut().for_each(|arm| take(&mut arm.strain));
+        take(self.strain.as_flattened_mut());
+        self.arms.iter_mut().for_each(|arm| take(arm.strain.as_flattened_mut()));
         let mut b = [0.0; 4];
         take(&mut b);
         self.books = Books { input: b[0], outflow: b[1], viscous: b[2], base_traction: b[3] };
@@ -383,69 +394,76 @@ impl Component {
 }
 
 impl Arm {
-    /// Advances one row of points by the strain increments `delta`, adds to stress and to the losses.
+    /// Advances one point of a block by the strain increments `delta`; adds to its stress and to the losses.
     #[inline(always)]
     fn advance(
         &mut self,
-        delta: &[f64],
+        block: usize,
+        point: usize,
+        delta: &Lanes,
         weight: f64,
-        row: std::ops::Range<usize>,
-        stress: &mut [f64],
-        loss: &mut [f64],
+        stress: &mut Lanes,
+        lost: &mut Lanes,
     ) {
-        let ne = delta.len();
-        let strain = &mut self.strain[row][..ne];
-        let (decay, gain) = (&self.decay[..ne], &self.gain[..ne]);
-        let (modulus, rate) = (&self.modulus[..ne], &self.loss[..ne]);
-        let (stress, loss) = (&mut stress[..ne], &mut loss[..ne]);
+        let strain = &mut self.strain[point];
+        let (decay, gain) = (&self.decay[block], &self.gain[block]);
+        let (modulus, loss) = (&self.modulus[block], &self.loss[block]);
         let quarter = 0.25 * weight;
-        for e in 0..ne {
-            let before = strain[e];
-            let after = decay[e] * before + gain[e] * delta[e];
+        for w in 0..WIDTH {
+            let before = strain[w];
+            let after = decay[w] * before + gain[w] * delta[w];
             let twice_mean = before + after;
-            strain[e] = after;
-            stress[e] += modulus[e] * after;
-            loss[e] += quarter * rate[e] * twice_mean * twice_mean;
+            strain[w] = after;
+            stress[w] += modulus[w] * after;
+            lost[w] += quarter * loss[w] * twice_mean * twice_mean;
         }
     }
 }
 
-fn gather(u: &[f64], local: &mut [f64], n: usize, ne: usize) {
-    let order = n - 1;
-    for i in 0..n {
-        for (e, slot) in local[i * ne..(i + 1) * ne].iter_mut().enumerate() {
-            *slot = u[e * order + i];
-        }
-    }
-}
-
-/// $\partial u/\partial\xi$ at point `i` of every element.
+/// Values of a block's elements, `[point][lane]`; lanes beyond the last element repeat it.
 #[inline(always)]
-fn derivative_row(mesh: &Mesh, local: &[f64], lane: &mut [f64], i: usize, ne: usize) {
+fn gather(u: &[f64], mesh: &Mesh, block: usize) -> [Lanes; POINTS_MAX] {
+    let order = mesh.order();
+    let last = mesh.elements.len() - 1;
+    let mut local = [[0.0; WIDTH]; POINTS_MAX];
+    for w in 0..WIDTH {
+        let e = (block * WIDTH + w).min(last);
+        for (slot, value) in local.iter_mut().zip(&u[e * order..=(e + 1) * order]) {
+            slot[w] = *value;
+        }
+    }
+    local
+}
+
+/// $\partial u/\partial\xi$ at point `i` of a block's elements.
+#[inline(always)]
+fn derivative(mesh: &Mesh, local: &[Lanes; POINTS_MAX], i: usize) -> Lanes {
     let n = mesh.gll.len();
-    lane.fill(0.0);
-    for j in 0..n {
-        let d = mesh.gll.derivative[i * n + j];
-        for (s, u) in lane.iter_mut().zip(&local[j * ne..(j + 1) * ne]) {
-            *s += d * u;
+    let mut slope = [0.0; WIDTH];
+    for (d, u) in mesh.gll.derivative[i * n..(i + 1) * n].iter().zip(local) {
+        for w in 0..WIDTH {
+            slope[w] += d * u[w];
         }
     }
+    slope
 }
 
-/// $f_j = \sum_i \ell_j'(\xi_i)\,w_i\sigma_i$, added up over elements (`stress` holds $w\sigma$).
+/// $f_j = \sum_i \ell_j'(\xi_i)\,w_i\sigma_i$, added up over the elements of a block (`stress` holds $w\sigma$).
 #[inline(always)]
-fn scatter_transposed(mesh: &Mesh, stress: &[f64], lane: &mut [f64], force: &mut [f64], n: usize, ne: usize) {
-    force.fill(0.0);
+fn scatter(mesh: &Mesh, stress: &[Lanes], force: &mut [f64], block: usize) {
+    let n = mesh.gll.len();
+    let present = WIDTH.min(mesh.elements.len() - block * WIDTH);
+    let first = block * WIDTH * (n - 1);
     for j in 0..n {
-        lane.fill(0.0);
-        for i in 0..n {
+        let mut sum = [0.0; WIDTH];
+        for (i, s) in stress.iter().enumerate() {
             let d = mesh.gll.derivative[i * n + j];
-            for (f, s) in lane.iter_mut().zip(&stress[i * ne..(i + 1) * ne]) {
-                *f += d * s;
+            for w in 0..WIDTH {
+                sum[w] += d * s[w];
             }
         }
-        for (e, f) in lane.iter().enumerate() {
-            force[e * (n - 1) + j] += f;
+        for (w, f) in sum.iter().enumerate().take(present) {
+            force[first + w * (n - 1) + j] += f;
         }
     }
 }

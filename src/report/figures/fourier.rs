@@ -17,9 +17,9 @@ pub(in super::super) fn fourier(view: &View<'_>) -> Option<Plate> {
     if !(top > 0.0 && nyquist.is_finite()) {
         return None;
     }
-    let at = Rect { x: 84.0, y: 52.0, width: WIDTH - 84.0 - 24.0, height: 330.0 };
+    let at = Rect { x: 84.0, y: 60.0, width: WIDTH - 84.0 - 24.0, height: 330.0 };
     let title = format!("Fourier amplitude of acceleration along {}", view.letter());
-    let mut figure = Figure::new(&view.name("fourier-amplitude"), &title, WIDTH, 436.0);
+    let mut figure = Figure::new(&view.name("fourier-amplitude"), &title, WIDTH, 444.0);
     let lowest = curves
         .iter()
         .filter_map(|d| view.measures[d.index].centres.first().copied())
@@ -46,7 +46,7 @@ pub(in super::super) fn fourier(view: &View<'_>) -> Option<Plate> {
             .column(format!("{place}_centre_frequency_hz"), m.centres.as_slice())
             .column(format!("{place}_smoothed_amplitude_m_s"), m.smoothed.as_slice());
     }
-    figure.legend(at.x + at.width, 26.0, &legend(&view.drawn));
+    figure.legend(at.x + at.width, &legend(&view.drawn));
     panel.close(&mut figure);
     Some(Plate {
         figure,

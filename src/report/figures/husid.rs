@@ -1,7 +1,7 @@
 //! How the energy of the shaking builds up: Husid curves with the significant duration.
 
 use super::super::place::{AUXILIARY, legend, words};
-use super::super::svg::{Axis, Figure, Panel, Rect, Stroke, Text, significant};
+use super::super::svg::{Anchor, Axis, Figure, Panel, Rect, Stroke, Text, significant};
 use super::super::table::Table;
 use super::{Plate, View, WIDTH};
 
@@ -24,7 +24,7 @@ pub(in super::super) fn husid(view: &View<'_>) -> Option<Plate> {
         return None;
     }
     let bars = 22.0 * curves.len() as f64 + 10.0;
-    let at = Rect { x: 78.0, y: 52.0, width: WIDTH - 78.0 - 24.0, height: 230.0 + bars };
+    let at = Rect { x: 78.0, y: 60.0, width: WIDTH - 78.0 - 24.0, height: 230.0 + bars };
     let title = format!("Build-up of Arias intensity along {}", view.letter());
     let mut figure = Figure::new(&view.name("husid"), &title, WIDTH, at.y + at.height + 52.0);
     let times = view.times();
@@ -53,9 +53,18 @@ pub(in super::super) fn husid(view: &View<'_>) -> Option<Plate> {
         figure.dot(x0, panel.py(5.0), 3.6, d.stroke.colour);
         figure.dot(x1, panel.py(95.0), 3.6, d.stroke.colour);
         let label = format!("{}: D5–95 = {} s", words(&d.trace.place), significant(to - from, 3));
-        figure.text(x1 + 8.0, y + 4.0, &label, Text::new(12.0).halo());
+        // Beside the bar where there is room, else on it.
+        let width = 6.9 * label.chars().count() as f64 + 16.0;
+        let (x, anchor) = if x1 + width < at.x + at.width {
+            (x1 + 8.0, Anchor::Start)
+        } else if x0 - width > at.x {
+            (x0 - 8.0, Anchor::End)
+        } else {
+            ((x0 + x1) / 2.0, Anchor::Middle)
+        };
+        figure.text(x, y + 4.0, &label, Text::new(12.0).anchor(anchor).halo());
     }
-    figure.legend(at.x + at.width, 26.0, &legend(&view.drawn));
+    figure.legend(at.x + at.width, &legend(&view.drawn));
     panel.close(&mut figure);
     Some(Plate {
         figure,

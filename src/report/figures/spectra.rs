@@ -6,8 +6,8 @@ use super::super::svg::{Anchor, Axis, Figure, Panel, Rect, Stroke, Text, signifi
 use super::super::table::Table;
 use super::{GRAVITY, Plate, View, WIDTH, peak_at};
 
-const AT: Rect = Rect { x: 78.0, y: 52.0, width: WIDTH - 78.0 - 78.0, height: 330.0 };
-const HEIGHT: f64 = 436.0;
+const AT: Rect = Rect { x: 78.0, y: 60.0, width: WIDTH - 78.0 - 78.0, height: 330.0 };
+const HEIGHT: f64 = 444.0;
 
 /// Pseudo-acceleration response spectra of all places.
 pub(in super::super) fn response_spectra(view: &View<'_>) -> Option<Plate> {
@@ -32,7 +32,7 @@ pub(in super::super) fn response_spectra(view: &View<'_>) -> Option<Plate> {
         panel.polyline(&mut figure, &points.collect::<Vec<_>>(), d.stroke);
         table = table.column(format!("{}_psa_m_s2", d.trace.place), psa.as_slice());
     }
-    figure.legend(AT.x + AT.width, 26.0, &legend(&view.drawn));
+    figure.legend(AT.x + AT.width, &legend(&view.drawn));
     panel.close(&mut figure);
     Some(Plate {
         figure,
@@ -56,7 +56,7 @@ pub(in super::super) fn ratio(view: &View<'_>) -> Option<Plate> {
     let ratio: Vec<f64> = surface.iter().zip(outcrop).map(|(s, o)| s / o).collect();
     let (index, top) = peak_at(&ratio)?;
     let title = format!("Amplification of the response spectrum along {}", view.letter());
-    let mut figure = Figure::new(&view.name("spectral-ratio"), &title, WIDTH, 340.0);
+    let mut figure = Figure::new(&view.name("spectral-ratio"), &title, WIDTH, 348.0);
     let at = Rect { height: 234.0, ..AT };
     let x = Axis::log(0.01, 10.0, "period (s)");
     let y = Axis::from_zero(top.max(1.5), "PSA surface / PSA outcrop (1)", 5);

@@ -89,7 +89,6 @@ pub(in super::super) fn transfer(view: &View<'_>) -> Option<Plate> {
     let run = run_stroke(&all[0].name);
     figure.legend(
         WIDTH - 24.0,
-        26.0,
         &[
             ("this run".to_owned(), run),
             ("causal law, closed form".to_owned(), CAUSAL),

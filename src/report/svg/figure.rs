@@ -205,11 +205,14 @@ impl Figure {
         self.body.push_str("</g>");
     }
 
-    /// A row of line samples with names, its right end at `right`; returns nothing to lay out after it.
-    pub(crate) fn legend(&mut self, right: f64, y: f64, entries: &[(String, Stroke)]) {
-        let width = |text: &str| 44.0 + 6.7 * text.chars().count() as f64;
-        let total: f64 = entries.iter().map(|(name, _)| width(name)).sum();
-        let mut x = right - total;
+    /// A row of line samples with names, its right end at `right`: beside the title where there is room,
+    /// else below it. The panels start at 60 or lower.
+    pub(crate) fn legend(&mut self, right: f64, entries: &[(String, Stroke)]) {
+        let width = |text: &str| 47.0 + 6.9 * text.chars().count() as f64;
+        let total: f64 = entries.iter().map(|(name, _)| width(name)).sum::<f64>() - 14.0;
+        let title = 40.0 + 8.6 * self.title.chars().count() as f64;
+        let y = if right - total > title { 26.0 } else { 48.0 };
+        let mut x = (right - total).max(16.0);
         for (name, stroke) in entries {
             self.segment((x, y - 4.0), (x + 24.0, y - 4.0), *stroke);
             self.text(x + 30.0, y, name, Text::new(12.0));
