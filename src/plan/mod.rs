@@ -256,7 +256,7 @@ impl Plan {
         let by = |auto: bool, why: String| if auto { format!("auto: {why}") } else { "user".to_string() };
         let c = &self.search.chosen;
         let [space, fit, time] = self.search.parts;
-        let weighed = self.search.weighed.len();
+        let weighed = self.search.weighed;
         notes.add(
             "discretisation.order",
             self.discretisation.order.to_string(),

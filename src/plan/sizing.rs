@@ -88,6 +88,9 @@ pub struct Sizer<'a> {
     pub samples: usize,
 }
 
+/// Points beyond which no mesh is tried.
+const POINTS_MAX: usize = 20_000;
+
 /// Nanoseconds of a column's step: constant, and per block of four elements with n points and L
 /// mechanisms a constant, n, n² and n·L. From `cargo bench -p hati-sem` on one 2.x GHz server core; only
 /// ratios matter for the choice, the plan prints the sum as an estimate.
@@ -187,7 +190,7 @@ impl Sizer<'_> {
 
     /// Finds the cheapest candidate whose predicted error stays below `target`.
     ///
-    /// Returns the chosen one, its parts and all that were weighed. If nothing meets the target within
+    /// Returns the chosen one and its parts. If nothing meets the target within
     /// the user's fixed values, the most accurate one is returned.
     pub fn search(&self, target: f64, fixed: &Fixed) -> Result<Search, PlanError> {
         let converged = self.converged_mesh();
@@ -236,16 +239,12 @@ impl Sizer<'_> {
             error,
             cost: c.0,
         };
-        let mut weighed: Vec<Candidate> = vec![];
         let mut best: Option<(f64, usize)> = None;
         for (i, c) in candidates.iter().enumerate() {
             let parts = c.1;
             let largest = parts.iter().copied().fold(0.0, f64::max);
             // errors of space and time have opposite signs and may cancel: no part may rely on that
             if largest > target {
-                if weighed.len() < 400 {
-                    weighed.push(describe(c, parts.iter().map(|p| p * p).sum::<f64>().sqrt()));
-                }
                 if best.is_none_or(|(e, _)| largest < e) {
                     best = Some((largest, i));
                 }
@@ -253,26 +252,27 @@ impl Sizer<'_> {
             }
             let sum = [(&meshes[c.2].difference, 1.0), (&fits[c.3].difference, 1.0), (time, c.5)];
             let error = self.error(&sum, reference);
-            weighed.push(describe(c, error));
             if best.is_none_or(|(e, _)| error < e) {
                 best = Some((error, i));
             }
             if error <= target {
-                let exact = self.discrete_error(&weighed[weighed.len() - 1], &fits[c.3].arms, reference)?;
+                let exact = self.discrete_error(&describe(c, error), &fits[c.3].arms, reference)?;
                 if exact <= target {
-                    return Ok(self.finish(describe(c, exact), parts, weighed, true));
+                    return Ok(Search {
+                        chosen: describe(c, exact),
+                        parts,
+                        weighed: i + 1,
+                        met: true,
+                        coarsest: i == 0,
+                    });
                 }
             }
         }
         let (_, i) = best.ok_or(PlanError::NoCandidate)?;
         let c = &candidates[i];
         let exact = self.discrete_error(&describe(c, 0.0), &fits[c.3].arms, reference)?;
-        Ok(self.finish(describe(c, exact), c.1, weighed, exact <= target))
-    }
-
-    fn finish(&self, chosen: Candidate, parts: [f64; 3], weighed: Vec<Candidate>, met: bool) -> Search {
-        let coarsest = weighed.iter().all(|c| c.cost >= chosen.cost);
-        Search { chosen, parts, weighed, met, coarsest }
+        let weighed = candidates.len();
+        Ok(Search { chosen: describe(c, exact), parts: c.1, weighed, met: exact <= target, coarsest: i == 0 })
     }
 
     fn discrete_error(
@@ -310,7 +310,7 @@ impl Sizer<'_> {
     }
 
     /// Meshes over order and size with their space errors, from the coarsest until errors drop under a
-    /// fiftieth of the target.
+    /// quarter of the target (a finer one leaves nothing to gain) or [`POINTS_MAX`] is passed.
     fn meshes(
         &self,
         target: f64,
@@ -336,8 +336,9 @@ impl Sizer<'_> {
                 let discretisation = Discretisation { order, elements };
                 let difference = subtract(self.responses(&discretisation, None, TimeSymbol::Continuous)?);
                 let error = self.error(&[(&difference, 1.0)], reference);
+                let finest = discretisation.elements.iter().sum::<usize>() * order > POINTS_MAX;
                 meshes.push(MeshChoice { discretisation, difference, error });
-                if error < 0.02 * target {
+                if error < 0.25 * target || finest {
                     break;
                 }
             }
@@ -465,8 +466,8 @@ pub struct Search {
     pub chosen: Candidate,
     /// Predicted shares: space, damping fit, time.
     pub parts: [f64; 3],
-    /// Candidates weighed, cheapest first.
-    pub weighed: Vec<Candidate>,
+    /// Candidates weighed, cheapest first, the chosen one included.
+    pub weighed: usize,
     /// Whether the target is met.
     pub met: bool,
     /// Whether nothing cheaper exists in the search: the coarsest model that layers and record permit.

@@ -1,0 +1,95 @@
+//! Folders that cannot be written and disks that fill up: exit code 4, and what was written before can be read.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::program::{folder, hati, say, shipped, write};
+use crate::results::{FILES, File};
+use crate::scenes::{SceneText, wavelet};
+
+#[test]
+fn a_file_where_the_folder_should_be() {
+    let folder = folder();
+    write(folder.path(), "taken", "not a folder");
+    let scene = shipped("three-layer");
+    for out in ["taken", "taken/r", "taken/r/deeper"] {
+        hati(folder.path(), &["run", &scene, "--out", out])
+            .exits(4)
+            .prints_nothing()
+            .tells(&["cannot write into folder taken", "--out"]);
+        hati(folder.path(), &["run", &scene, "--json", "--out", out])
+            .fails_in_json(4, &["cannot write into folder"]);
+        hati(folder.path(), &["chart", &scene, "--json", "--out", out])
+            .fails_in_json(4, &["cannot write into folder"]);
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("taken")).expect("still there"), "not a folder");
+}
+
+/// A disk in memory, gone with the value.
+struct SmallDisk {
+    folder: PathBuf,
+}
+
+impl SmallDisk {
+    /// Mounts it, or says why the test is skipped.
+    fn mount(folder: &Path, size: &str) -> Option<Self> {
+        let folder = folder.join(format!("disk-{size}"));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let mounted = cfg!(target_os = "linux")
+            && Command::new("mount")
+                .args(["-t", "tmpfs", "-o", &format!("size={size}"), "tmpfs"])
+                .arg(&folder)
+                .output()
+                .is_ok_and(|output| output.status.success());
+        if !mounted {
+            say("skipped: a disk of a few hundred kilobytes cannot be mounted here (needs root)");
+        }
+        mounted.then_some(Self { folder })
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("--lazy").arg(&self.folder).output();
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_at_every_stage() {
+    let folder = folder();
+    // From not even the files' heads, over the streams, to the figures and the report.
+    for size in ["8k", "64k", "256k", "600k", "1m", "2m"] {
+        let Some(disk) = SmallDisk::mount(folder.path(), size) else { return };
+        let out = disk.folder.join("r").display().to_string();
+        let answer = hati(folder.path(), &["run", "--json", &shipped("three-layer"), "--out", &out]);
+        answer.fails_in_json(4, &["no space left", &out, "--out"]);
+    }
+}
+
+/// The field is nearly all of the output, so the disk fills while it is being written.
+#[test]
+fn a_disk_that_fills_inside_the_field_leaves_what_was_before() {
+    let folder = folder();
+    let scene = SceneText {
+        motions: vec![('x', wavelet("sine_burst", 4.0, 1.0, 30.0, 60.0, ", cycles = 200.0"))],
+        output: "field_spacing = 0.05".into(),
+        ..SceneText::default()
+    };
+    let scene = write(folder.path(), "field.toml", &scene.text());
+    let Some(disk) = SmallDisk::mount(folder.path(), "12m") else { return };
+    let run = disk.folder.join("r");
+    let out = run.display().to_string();
+    hati(folder.path(), &["run", &scene, "--out", &out]).exits(4).prints_nothing().tells(&[
+        "no space left",
+        "r/field.nc",
+        "what was written before is intact",
+    ]);
+    let files = FILES.map(|name| File::open(&run, name));
+    // The ledger is written last: its records stand in all three files.
+    let whole = files[2].records();
+    assert!(whole >= 1024, "{whole}");
+    for (file, variable) in files.iter().zip(["acceleration_x", "acceleration_x", "energy_input"]) {
+        assert!(file.records() >= whole);
+        assert!(file.first(variable, whole).iter().all(|x| x.is_finite()), "{variable}");
+    }
+}

@@ -1,0 +1,81 @@
+//! The commands that the documentation shows are run as they stand.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::program::{folder, hati, root};
+
+/// Lines of the `sh` blocks of a page.
+fn shell_lines(page: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root().join(page)).unwrap_or_else(|e| panic!("{page}: {e}"));
+    let mut inside = false;
+    let mut lines = vec![];
+    for line in text.lines() {
+        match line.trim() {
+            "```sh" => inside = true,
+            "```" => inside = false,
+            command if inside && !command.is_empty() && !command.starts_with('#') => {
+                lines.push(command.to_owned())
+            }
+            _ => {}
+        }
+    }
+    lines
+}
+
+/// Runs the lines of a page that call the program or copy a scene, in a folder that looks like a clone
+/// after `make build`.
+fn runs(page: &str) -> usize {
+    let folder = folder();
+    let clone = folder.path();
+    std::fs::create_dir_all(clone.join("target/debug")).expect("a folder");
+    link(Path::new(env!("CARGO_BIN_EXE_hati")), &clone.join("target/debug/hati"));
+    link(&root().join("scenes"), &clone.join("scenes"));
+    let mut run = 0;
+    for line in shell_lines(page) {
+        if !line.starts_with("target/debug/hati ") && !line.starts_with("cp ") {
+            assert!(!line.contains("hati ") || line.starts_with("make "), "{page}: {line} is not tried");
+            continue;
+        }
+        let output = Command::new("sh").args(["-e", "-c", &line]).current_dir(clone).output().expect("sh");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{page}: {line}\n{told}");
+        run += usize::from(line.starts_with("target"));
+    }
+    run
+}
+
+fn link(target: &Path, name: &Path) {
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(target, name).expect("a link");
+    #[cfg(not(unix))]
+    panic!("{} and {}: links are made on Unix only", target.display(), name.display());
+}
+
+#[test]
+#[cfg(unix)]
+fn commands_of_the_readme_run() {
+    assert!(runs("README.md") >= 1, "the README shows no command");
+}
+
+#[test]
+#[cfg(unix)]
+fn commands_of_the_book_run() {
+    assert!(runs("docs/src/use.md") >= 2, "the chapter shows no command");
+}
+
+/// Every verb of the book's table is a verb.
+#[test]
+fn the_table_of_verbs_is_true() {
+    let folder = folder();
+    let page = std::fs::read_to_string(root().join("docs/src/use.md")).expect("the chapter");
+    let shown: Vec<&str> = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `hati "))
+        .filter_map(|rest| rest.split([' ', '`']).next())
+        .collect();
+    assert!(shown.len() >= 5, "{shown:?}");
+    for verb in &shown {
+        hati(folder.path(), &[verb, "--help"]).exits(0);
+    }
+}

@@ -1,0 +1,42 @@
+//! Against closed forms and references.
+
+mod el_centro;
+
+use hati::verify::verify;
+
+fn passes(case: &str) {
+    let checks = verify(&|name| name == case, false, &mut |_| ()).unwrap();
+    assert!(!checks.is_empty(), "no case {case}");
+    let failed: Vec<String> = checks.iter().filter(|c| !c.pass).map(ToString::to_string).collect();
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[test]
+fn undamped_layer_peaks_at_the_ratio_of_impedances() {
+    passes("uniform-layer");
+}
+
+#[test]
+fn closed_form_agrees_with_an_independent_table() {
+    passes("three-layer-table");
+}
+
+#[test]
+fn time_domain_column_is_the_causal_closed_form() {
+    passes("three-layer-column");
+}
+
+#[test]
+fn damping_is_constant_over_two_decades() {
+    passes("damping-fit");
+}
+
+#[test]
+fn surface_pga_is_that_of_the_closed_form() {
+    passes("surface-pga");
+}
+
+#[test]
+fn a_surface_record_comes_back_from_its_deconvolution() {
+    passes("deconvolution");
+}

@@ -1,0 +1,49 @@
+//! The checks themselves are checked: with one constant of a case changed by three times its limit,
+//! every quantity of every case fails.
+
+use hati::verify::{names, self_check};
+
+fn notices(case: &str) {
+    let checks = self_check(&|name| name == case, false, &mut |_| ()).unwrap();
+    assert!(!checks.is_empty(), "no case {case}");
+    let blind: Vec<String> = checks.iter().filter(|c| c.pass).map(ToString::to_string).collect();
+    assert!(blind.is_empty(), "blind:\n{}", blind.join("\n"));
+}
+
+#[test]
+fn cases_of_the_frequency_domain_notice() {
+    ["uniform-layer", "three-layer-table", "three-layer-column", "damping-fit"].into_iter().for_each(notices);
+}
+
+#[test]
+fn cases_of_the_time_loop_notice() {
+    ["standing-wave", "step-bound", "energy-ledger"].into_iter().for_each(notices);
+}
+
+#[test]
+fn cases_with_an_accelerogram_notice() {
+    ["surface-pga", "deconvolution"].into_iter().for_each(notices);
+}
+
+#[test]
+fn the_accuracy_case_notices() {
+    notices("accuracy");
+}
+
+#[test]
+fn every_short_case_stands_in_one_of_these_tests() {
+    let listed = [
+        "uniform-layer",
+        "three-layer-table",
+        "three-layer-column",
+        "damping-fit",
+        "standing-wave",
+        "step-bound",
+        "energy-ledger",
+        "surface-pga",
+        "deconvolution",
+        "accuracy",
+        "step-bound-million",
+    ];
+    assert_eq!(names(), listed);
+}
