@@ -12,7 +12,7 @@ export PATH := $(PATH):$(HOME)/.cargo/bin
 
 SCENE ?= scenes/site-response
 OUT ?= runs/$(notdir $(patsubst %/,%,$(SCENE)))
-FIGURE := $(OUT)/figures/acceleration-x.svg
+FIGURE := $(OUT)/figures/profile-x.svg
 
 # The choice of the NetCDF library: CARGO_ENV, FEATURES, NETCDF_IS. Made by the set-up, which make runs
 # before it reads the file; only the goals that build need it.
@@ -88,10 +88,12 @@ docs: build ## Write the scene reference and build the book (mdBook).
 	  echo 'docs: mdBook is not installed (cargo install mdbook); the chapters read well as they are in docs/src'; \
 	fi
 
-figure: demo ## Run the demo and put its figure into the README.
+figure: demo ## Draw the figures of README and book anew.
 	@mkdir -p docs/src/figures
 	@cp $(FIGURE) docs/src/figures/site-response.svg
-	@echo 'figure: docs/src/figures/site-response.svg'
+	@$(HATI) chart scenes/three-layer --out runs/chart-three-layer </dev/null
+	@cp runs/chart-three-layer/chart.svg docs/src/figures/chart-three-layer.svg
+	@echo 'figure: docs/src/figures/site-response.svg, docs/src/figures/chart-three-layer.svg'
 
 env: setup ## Print what to set to call cargo directly: eval "$(make -s env)"; cargo build $HATI_FEATURES
 	@echo 'export HATI_FEATURES="$(FEATURES)" $(CARGO_ENV)'

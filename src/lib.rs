@@ -22,4 +22,5 @@ pub mod plan;
 pub mod report;
 pub mod results;
 pub mod run;
+pub mod spectrum;
 pub mod verify;

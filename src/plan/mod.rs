@@ -6,6 +6,7 @@ pub use sizing::{Candidate, Control, Fixed, STEP_MARGIN, Search, Sizer, Weight, 
 
 use crate::motion_input::{MotionInput, active_axes};
 use crate::results::AXES;
+use crate::spectrum::band_spectrum;
 use hati_inputs::InputError;
 use hati_inputs::motion::{Step, usable_band};
 use hati_inputs::scene::{Auto, Band, FieldSpacing, MotionKind, Resolved, Scene, Station};
@@ -13,7 +14,7 @@ use hati_sem::SemError;
 use hati_sem::attenuation::MaxwellArms;
 use hati_sem::column::{Discretisation, Element};
 use hati_sem::soil::{Base, Layer, Profile};
-use realfft::RealFftPlanner;
+use num_complex::Complex64;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -587,27 +588,11 @@ const FREQUENCIES_MAX: usize = 1200;
 
 /// $|A|^2$ in the band on at most [`FREQUENCIES_MAX`] frequencies, neighbouring bins added up.
 fn band_power(a: &[f64], dt: f64, band: (f64, f64)) -> (Vec<f64>, Vec<f64>) {
-    let n = (2 * a.len()).next_power_of_two();
-    let mut padded = vec![0.0; n];
-    padded[..a.len()].copy_from_slice(a);
-    let fft = RealFftPlanner::new().plan_fft_forward(n);
-    let mut spectrum = fft.make_output_vec();
-    if fft.process(&mut padded, &mut spectrum).is_err() {
-        return (vec![], vec![]);
-    }
-    let df = 1.0 / (n as f64 * dt);
-    let first = ((band.0 / df).ceil() as usize).max(1);
-    let last = ((band.1 / df).floor() as usize).min(n / 2);
-    if first > last {
-        return (vec![], vec![]);
-    }
-    let group = (last - first + 1).div_ceil(FREQUENCIES_MAX);
-    let bins: Vec<usize> = (first..=last).collect();
-    bins.chunks(group)
-        .map(|c| {
-            let middle = 0.5 * (c[0] + c[c.len() - 1]) as f64 * df;
-            (middle, c.iter().map(|&k| spectrum[k].norm_sqr()).sum::<f64>())
-        })
+    let (frequency, spectrum) = band_spectrum(a, dt, band);
+    let group = frequency.len().div_ceil(FREQUENCIES_MAX).max(1);
+    let power = |bins: &[Complex64]| bins.iter().map(|s| s.norm_sqr()).sum::<f64>();
+    (frequency.chunks(group).zip(spectrum.chunks(group)))
+        .map(|(f, s)| (0.5 * (f[0] + f[f.len() - 1]), power(s)))
         .unzip()
 }
 

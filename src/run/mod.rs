@@ -116,32 +116,31 @@ impl Simulation {
         Ok(())
     }
 
-    /// Input traces: outcrop (or, for a rigid base, nothing, since `within` is the input).
-    pub fn input_traces(&self, plan: &Plan) -> Vec<Trace> {
-        let n = self.recorder.samples_taken();
+    /// Outcrop motions: the input, known before the run starts, or what goes with an imposed base on a
+    /// half-space, known for the samples taken; none for a rigid base.
+    pub fn outcrop_traces(&self, plan: &Plan) -> Vec<Trace> {
         let mut traces = vec![];
         for (c, &axis) in plan.axes.iter().enumerate() {
-            let a = if !plan.imposed() {
-                self.drive.acceleration[axis].clone().unwrap_or_default()
+            if !plan.imposed() {
+                traces.push(outcrop_trace(
+                    plan,
+                    axis,
+                    self.drive.acceleration[axis].clone().unwrap_or_default(),
+                ));
             } else if !self.recorder.outcrop_velocity[c].is_empty() {
                 let v = &self.recorder.outcrop_velocity[c];
-                resample_as(v, plan.sample_dt, Quantity::Velocity, Quantity::Acceleration, 1)
-            } else {
-                continue;
-            };
-            let a = a[..n.min(a.len())].to_vec();
-            let as_quantity = |to| resample_as(&a, plan.sample_dt, Quantity::Acceleration, to, 1);
-            traces.push(Trace {
-                place: "outcrop".into(),
-                depth: None,
-                axis,
-                velocity: as_quantity(Quantity::Velocity),
-                displacement: as_quantity(Quantity::Displacement),
-                acceleration: a,
-            });
+                let a = resample_as(v, plan.sample_dt, Quantity::Velocity, Quantity::Acceleration, 1);
+                traces.push(outcrop_trace(plan, axis, a));
+            }
         }
         traces
     }
+}
+
+fn outcrop_trace(plan: &Plan, axis: usize, acceleration: Vec<f64>) -> Trace {
+    let as_quantity = |to| resample_as(&acceleration, plan.sample_dt, Quantity::Acceleration, to, 1);
+    let (velocity, displacement) = (as_quantity(Quantity::Velocity), as_quantity(Quantity::Displacement));
+    Trace { place: "outcrop".into(), depth: None, axis, acceleration, velocity, displacement }
 }
 
 fn velocity_scale(plan: &Plan, drive: &Drive) -> f64 {
@@ -296,7 +295,7 @@ impl Files {
 
     fn open_streams(&mut self, plan: &Plan, simulation: &Simulation) -> Result<(), RunError> {
         let layout = |t: &Trace| TraceLayout { place: t.place.clone(), depth: t.depth, axis: t.axis };
-        self.inputs = if plan.imposed() { vec![] } else { whole_inputs(plan, simulation) };
+        self.inputs = if plan.imposed() { vec![] } else { simulation.outcrop_traces(plan) };
         let layouts: Vec<TraceLayout> =
             simulation.recorder.traces.iter().chain(&self.inputs).map(layout).collect();
         self.stations =
@@ -371,24 +370,6 @@ impl Files {
             &json!({ "status": "unstable", "samples": plan.samples }),
         );
     }
-}
-
-/// Input traces over the whole run, known before it starts.
-fn whole_inputs(plan: &Plan, simulation: &Simulation) -> Vec<Trace> {
-    let mut traces = vec![];
-    for &axis in &plan.axes {
-        let a = simulation.drive.acceleration[axis].clone().unwrap_or_default();
-        let as_quantity = |to| resample_as(&a, plan.sample_dt, Quantity::Acceleration, to, 1);
-        traces.push(Trace {
-            place: "outcrop".into(),
-            depth: None,
-            axis,
-            velocity: as_quantity(Quantity::Velocity),
-            displacement: as_quantity(Quantity::Displacement),
-            acceleration: a,
-        });
-    }
-    traces
 }
 
 fn summary(scene: &Scene, plan: &Plan, simulation: &Simulation, status: &str) -> Value {

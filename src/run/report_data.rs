@@ -4,17 +4,23 @@ use super::Simulation;
 use crate::closed_form::{Law, surface_ratios};
 use crate::plan::Plan;
 use crate::results::{AXES, LayerView, SiteResponse, Trace, TransferFunction};
+use crate::spectrum::band_spectrum;
 use hati_inputs::measures::Measures;
 use hati_inputs::scene::Scene;
 use hati_sem::soil::Base;
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 use serde_json::{Map, Value, json};
 
 /// Everything the report needs; its summary is still empty.
 pub fn site_response(scene: &Scene, plan: &Plan, simulation: &Simulation) -> SiteResponse {
     let recorder = &simulation.recorder;
-    let mut traces = simulation.input_traces(plan);
+    let taken = recorder.samples_taken();
+    let mut traces = simulation.outcrop_traces(plan);
+    for t in &mut traces {
+        [&mut t.acceleration, &mut t.velocity, &mut t.displacement]
+            .into_iter()
+            .for_each(|x| x.truncate(taken));
+    }
     traces.extend(recorder.traces.iter().cloned());
     let transfer = transfer_functions(plan, &traces);
     SiteResponse {
@@ -119,7 +125,7 @@ pub fn transfer_functions(plan: &Plan, traces: &[Trace]) -> Vec<TransferFunction
     for &axis in &plan.axes {
         let spectrum = |place: &str| {
             let t = traces.iter().find(|t| t.place == place && t.axis == axis)?;
-            Some(spectrum(&t.acceleration, plan.sample_dt, plan.band))
+            Some(band_spectrum(&t.acceleration, plan.sample_dt, plan.band))
         };
         let Some((frequency, surface)) = spectrum("surface") else { continue };
         let grid: Vec<f64> = (0..CLOSED_FORM_POINTS)
@@ -151,21 +157,4 @@ pub fn transfer_functions(plan: &Plan, traces: &[Trace]) -> Vec<TransferFunction
         }
     }
     all
-}
-
-/// Spectrum inside the band, zero-padded to twice the length.
-fn spectrum(a: &[f64], dt: f64, band: (f64, f64)) -> (Vec<f64>, Vec<Complex64>) {
-    let n = (2 * a.len()).next_power_of_two();
-    let mut padded = vec![0.0; n];
-    padded[..a.len()].copy_from_slice(a);
-    let fft = RealFftPlanner::new().plan_fft_forward(n);
-    let mut out = fft.make_output_vec();
-    if fft.process(&mut padded, &mut out).is_err() {
-        return (vec![], vec![]);
-    }
-    let df = 1.0 / (n as f64 * dt);
-    (out.into_iter().enumerate())
-        .map(|(k, v)| (k as f64 * df, v))
-        .filter(|(f, _)| *f >= band.0 && *f <= band.1)
-        .unzip()
 }

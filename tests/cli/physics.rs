@@ -123,8 +123,7 @@ fn the_run_has_the_transfer_function_of_the_closed_form() {
     assert!((outcrop - 1.0).abs() < 2e-3, "{outcrop}");
 }
 
-/// What an outcrop motion makes at the base, given as a within motion, makes the same surface motion and
-/// has the same outcrop: here the two runs exchange a pulse, so peaks are compared.
+/// One pulse, taken as an outcrop motion and taken as a within motion, is not the same event.
 #[test]
 fn within_and_outcrop_differ_as_they_must() {
     let folder = folder();

@@ -33,16 +33,11 @@ pub(crate) fn hati_with(python: &Path, cwd: &Path, arguments: &[&str]) -> Answer
     Answer::from(command.env("HATI_PYTHON", python).output().expect("the program starts"))
 }
 
-/// A folder with the records of `inputs/python/make_fixtures.py`, made once for all tests.
-pub(crate) fn fixtures(python: &Path) -> &'static Path {
-    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let folder =
-            Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli_records_{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("the build's own temporary folder");
-        let script = root().join("inputs/python/make_fixtures.py");
-        let status = Command::new(python).arg(script).arg(&folder).status();
-        assert!(status.is_ok_and(|status| status.success()), "the fixtures could not be made");
-        folder
-    })
+/// A folder with the records of `inputs/python/make_fixtures.py`, gone with the value.
+pub(crate) fn fixtures(python: &Path) -> tempfile::TempDir {
+    let folder = crate::program::folder();
+    let script = root().join("inputs/python/make_fixtures.py");
+    let status = Command::new(python).arg(script).arg(folder.path()).status();
+    assert!(status.is_ok_and(|status| status.success()), "the fixtures could not be made");
+    folder
 }

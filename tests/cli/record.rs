@@ -12,7 +12,7 @@ fn acceleration() -> Vec<f64> {
 #[test]
 fn a_table_for_people() {
     let Some(python) = interpreter() else { return };
-    let answer = hati_with(python, fixtures(python), &["record", "east.knet"]).exits(0);
+    let answer = hati_with(python, fixtures(python).path(), &["record", "east.knet"]).exits(0);
     assert_eq!(answer.stderr, "");
     let lines: Vec<&str> = answer.stdout.lines().collect();
     assert_eq!(lines.len(), 2, "{}", answer.stdout);
@@ -28,7 +28,8 @@ fn a_table_for_people() {
 fn measures_for_programs() {
     let Some(python) = interpreter() else { return };
     let answer =
-        hati_with(python, fixtures(python), &["record", "--json", "east.knet", "acceleration.sac"]).exits(0);
+        hati_with(python, fixtures(python).path(), &["record", "--json", "east.knet", "acceleration.sac"])
+            .exits(0);
     let value = answer.json();
     let channels = value["channels"].as_array().expect("a list");
     assert_eq!(channels.len(), 2);
@@ -60,7 +61,8 @@ fn measures_for_programs() {
 #[test]
 fn a_unit_can_be_given_and_a_missing_one_is_asked_for() {
     let Some(python) = interpreter() else { return };
-    let records = fixtures(python);
+    let fixtures = fixtures(python);
+    let records = fixtures.path();
     hati_with(python, records, &["record", "counts.mseed"]).exits(2).prints_nothing().tells(&[
         "counts.mseed",
         "no unit",
@@ -90,7 +92,8 @@ fn the_packaged_record_is_read() {
 #[test]
 fn what_is_no_record_is_refused_and_not_opened() {
     let Some(python) = interpreter() else { return };
-    let records = fixtures(python);
+    let fixtures = fixtures(python);
+    let records = fixtures.path();
     let folder = folder();
     let marker = records.join("marker");
     for protocol in 0..=5 {
