@@ -157,14 +157,18 @@ impl Plan {
         let stations = scene.stations();
         let sizer = sizer(&column, control, &input, &axes, band, &stations, samples)?;
         let fixed = fixed(scene, sample_dt);
-        let search = sizer.search(TARGET_SHARE * scene.accuracy, &fixed)?;
+        let mut search = sizer.search(TARGET_SHARE * scene.accuracy, &fixed)?;
+        // the search keeps a reserve; the verdict is against what was asked
+        search.met |= search.chosen.error <= scene.accuracy;
         let chosen = search.chosen.clone();
         let arms = sizer.arms(chosen.mechanisms)?;
         let (dt_critical, limiting) = sizer.critical_step(&chosen.discretisation, &arms)?;
         let dt = sample_dt / chosen.substeps as f64;
-        if dt > dt_critical {
+        // a given step above the sample's is cut to it, but judged as it was given
+        let given = scene.discretisation.dt.value().copied().unwrap_or(dt).max(dt);
+        if given > dt_critical {
             return Err(PlanError::UnstableStep {
-                dt,
+                dt: given,
                 dt_critical,
                 layer: profile.layers[limiting.layer].name.clone(),
                 height: limiting.height,
@@ -286,6 +290,11 @@ impl Plan {
                 self.substeps, self.dt_critical, self.limiting.height
             ),
         ), json!(self.dt()));
+        if let Some(given) = d.dt.value().filter(|given| **given > self.dt() * (1.0 + 1e-9))
+            && let Some(reason) = notes.reasons.last_mut()
+        {
+            reason.why = format!("user: {given:e} s, cut to a whole number of steps per sample");
+        }
         let arms = if self.mechanisms == 0 {
             "no damping".to_string()
         } else {

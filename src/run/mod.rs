@@ -275,6 +275,15 @@ impl Files {
     ) -> Result<Self, RunError> {
         std::fs::create_dir_all(out)
             .map_err(|cause| OutputError::UnwritableFolder { folder: out.to_path_buf(), cause })?;
+        // what an earlier run left must not pass for this one's
+        for name in ["summary.json", "progress.json", "report.html", "field.nc"] {
+            match std::fs::remove_file(out.join(name)) {
+                Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(OutputError::UnwritableFolder { folder: out.to_path_buf(), cause }.into());
+                }
+                _ => {}
+            }
+        }
         crate::outputs::replace_bytes(&out.join("scene.resolved.toml"), resolved.as_bytes(), true)?;
         let record_sha256 = (plan.input.channels.iter())
             .filter_map(|c| c.get("sha256").and_then(Value::as_str).map(str::to_owned))
@@ -372,6 +381,13 @@ impl Files {
     }
 }
 
+/// What a run leaves in its folder, besides its progress.
+fn outputs(plan: &Plan) -> Vec<&'static str> {
+    let field = if plan.field_depths.is_empty() { None } else { Some("field.nc") };
+    let rest = ["ledger.nc", "report.html", "figures/", "summary.json"];
+    ["scene.resolved.toml", "stations.nc"].into_iter().chain(field).chain(rest).collect()
+}
+
 fn summary(scene: &Scene, plan: &Plan, simulation: &Simulation, status: &str) -> Value {
     let ledger = &simulation.recorder.ledger;
     let steps_done = simulation.column.steps_taken();
@@ -404,7 +420,7 @@ fn summary(scene: &Scene, plan: &Plan, simulation: &Simulation, status: &str) ->
             "ns_per_point_component_step": 1e9 * simulation.step_seconds / work.max(1.0),
             "solver_estimated_s": plan.search.chosen.cost,
         },
-        "outputs": ["scene.resolved.toml", "stations.nc", "field.nc", "ledger.nc", "report.html", "figures/", "summary.json"],
+        "outputs": outputs(plan),
         "warnings": warnings,
         "same_bits_for_any_thread_count": true,
     })

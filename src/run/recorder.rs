@@ -9,6 +9,9 @@ use hati_sem::column::{Column, Probe};
 /// Rows between two appends to the files.
 pub const CHUNK: usize = 1024;
 
+/// Most rows of a section: the picture needs no more, and a long run would fill the memory.
+const SECTION_ROWS: usize = 8000;
+
 /// Rows of the field that wait to be written, per component.
 #[derive(Debug, Clone, Default)]
 pub struct FieldRows {
@@ -42,6 +45,7 @@ pub struct Recorder {
     field_probes: Vec<Probe>,
     impedance: Vec<Option<f64>>,
     order: usize,
+    section_stride: usize,
     kinetic_floor: f64,
     input_max: f64,
 }
@@ -110,11 +114,12 @@ impl Recorder {
             velocity: Vec::with_capacity(rows),
             acceleration: Vec::with_capacity(rows),
         };
+        let section_stride = samples.div_ceil(SECTION_ROWS).max(1);
         let section = |axis| Section {
             axis,
             depth: plan.field_depths.clone(),
-            time: room(),
-            acceleration: Vec::with_capacity(samples * plan.field_depths.len()),
+            time: Vec::with_capacity(samples.div_ceil(section_stride)),
+            acceleration: Vec::with_capacity(samples.div_ceil(section_stride) * plan.field_depths.len()),
         };
         let impedance: Vec<Option<f64>> = plan
             .axes
@@ -135,6 +140,7 @@ impl Recorder {
             field_probes,
             impedance,
             order: plan.discretisation.order,
+            section_stride,
             kinetic_floor: 1e-6 * mass * velocity_scale * velocity_scale,
             input_max: 0.0,
         })
@@ -185,13 +191,18 @@ impl Recorder {
             return;
         }
         let (field, section) = (&mut self.field[c], &mut self.sections[c]);
-        section.time.push(elapsed);
+        let drawn = (self.time.len() - 1) % self.section_stride == 0;
+        if drawn {
+            section.time.push(elapsed);
+        }
         for probe in &self.field_probes {
             let m = column.motion_at(probe, c);
             field.displacement.push(m.displacement as f32);
             field.velocity.push(m.velocity as f32);
             field.acceleration.push(m.acceleration as f32);
-            section.acceleration.push(m.acceleration as f32);
+            if drawn {
+                section.acceleration.push(m.acceleration as f32);
+            }
         }
     }
 

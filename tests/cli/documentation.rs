@@ -24,25 +24,34 @@ fn shell_lines(page: &str) -> Vec<String> {
 }
 
 /// Runs the lines of a page that call the program or copy a scene, in a folder that looks like a clone
-/// after `make build`.
-fn runs(page: &str) -> usize {
+/// after `make build`, and looks up those that call make. Returns how many there are of both kinds.
+fn runs(page: &str) -> (usize, usize) {
     let folder = folder();
     let clone = folder.path();
     std::fs::create_dir_all(clone.join("target/debug")).expect("a folder");
     link(Path::new(env!("CARGO_BIN_EXE_hati")), &clone.join("target/debug/hati"));
     link(&root().join("scenes"), &clone.join("scenes"));
-    let mut run = 0;
+    let makefile = std::fs::read_to_string(root().join("Makefile")).expect("the Makefile");
+    let (mut run, mut made) = (0, 0);
     for line in shell_lines(page) {
-        if !line.starts_with("target/debug/hati ") && !line.starts_with("cp ") {
-            assert!(!line.contains("hati ") || line.starts_with("make "), "{page}: {line} is not tried");
-            continue;
+        let command = line.split('#').next().unwrap_or_default().trim();
+        if let Some(targets) = command.strip_prefix("make ") {
+            for target in targets.split_whitespace().filter(|word| !word.contains(['=', '-'])) {
+                let rule = format!("{target}:");
+                assert!(makefile.lines().any(|l| l.starts_with(&rule)), "{page}: no target {target}");
+                made += 1;
+            }
+        } else if command.starts_with("target/debug/hati ") || command.starts_with("cp ") {
+            let output =
+                Command::new("sh").args(["-e", "-c", command]).current_dir(clone).output().expect("sh");
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(0), "{page}: {line}\n{told}");
+            run += usize::from(command.starts_with("target"));
+        } else {
+            assert!(!command.contains("hati "), "{page}: {line} is not tried");
         }
-        let output = Command::new("sh").args(["-e", "-c", &line]).current_dir(clone).output().expect("sh");
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{page}: {line}\n{told}");
-        run += usize::from(line.starts_with("target"));
     }
-    run
+    (run, made)
 }
 
 fn link(target: &Path, name: &Path) {
@@ -55,13 +64,15 @@ fn link(target: &Path, name: &Path) {
 #[test]
 #[cfg(unix)]
 fn commands_of_the_readme_run() {
-    assert!(runs("README.md") >= 1, "the README shows no command");
+    let (run, made) = runs("README.md");
+    assert!(run + made >= 1, "the README shows no command");
 }
 
 #[test]
 #[cfg(unix)]
 fn commands_of_the_book_run() {
-    assert!(runs("docs/src/use.md") >= 2, "the chapter shows no command");
+    let (run, _) = runs("docs/src/use.md");
+    assert!(run >= 2, "the chapter shows no command");
 }
 
 /// Every verb of the book's table is a verb.

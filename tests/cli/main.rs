@@ -14,6 +14,7 @@ mod plan;
 mod program;
 mod python;
 mod record;
+mod regression;
 mod results;
 mod run;
 mod scenes;

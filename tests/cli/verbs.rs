@@ -5,7 +5,7 @@ use std::process::Stdio;
 use serde_json::Value;
 
 use crate::program::{Answer, command, folder, hati, number, shipped, write};
-use crate::scenes::{SceneText, wavelet};
+use crate::scenes::{SceneText, ricker};
 
 #[test]
 fn schema_names_the_keys_of_a_scene() {
@@ -98,11 +98,10 @@ fn verify_refuses_a_case_that_there_is_not() {
 fn tiny() -> String {
     SceneText {
         accuracy: 0.1,
-        kind: "within",
-        motions: vec![('x', wavelet("ricker", 3.0, 1.0, 0.4, 1.0, ""))],
+        motions: vec![('x', ricker(3.0, 1.0, 0.5, 1.0))],
         layers: vec![[10.0, 300.0, 600.0, 1800.0, 0.05]],
-        base: None,
-        discretisation: "tail = 0.0".into(),
+        base: Some([600.0, 1200.0, 2000.0]),
+        discretisation: "tail = 0.5".into(),
         output: "field_spacing = \"none\"".into(),
         ..SceneText::default()
     }

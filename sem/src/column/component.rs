@@ -115,7 +115,12 @@ impl Component {
                 BaseLoad::Elastic { impedance: profile.base.impedance(axis).unwrap_or(0.0), outcrop }
             }
             BaseMotion::Imposed(u) => {
-                BaseLoad::Imposed { velocity: u.windows(2).map(|w| (w[1] - w[0]) / dt).collect() }
+                let mut velocity: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]) / dt).collect();
+                // the kick at the last displacement needs the velocity behind it: go on as before
+                if let [.., earlier, later] = velocity[..] {
+                    velocity.push(2.0 * later - earlier);
+                }
+                BaseLoad::Imposed { velocity }
             }
         };
         Self {
@@ -174,7 +179,7 @@ impl Component {
                 self.v[last] = after;
             }
             BaseLoad::Imposed { velocity } => {
-                let after = velocity.get(kick_index).copied().unwrap_or(0.0);
+                let after = velocity.get(kick_index).copied().unwrap_or(before);
                 books.base_traction = self.mass[last] * (after - before) / dt + internal;
                 books.input += dt * books.base_traction * 0.5 * (before + after);
                 self.v[last] = after;
