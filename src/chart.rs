@@ -1,9 +1,9 @@
 //! Error against cost of a scene over order, size and step.
 
+use crate::measured::{finer, measured_error};
 use crate::outputs::{OutputError, replace_bytes};
 use crate::plan::{Fixed, Plan, PlanError};
 use crate::run::{RunError, Simulation};
-use crate::verify::accuracy::{finer, measured_error};
 use hati_inputs::scene::Scene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -61,7 +61,7 @@ pub fn chart(scene: &Scene, out: &Path, told: &mut dyn FnMut(&str) -> bool) -> R
             substeps: plan.substeps,
             mechanisms: plan.mechanisms,
             predicted: plan.search.chosen.error,
-            measured: measured_error(&simulation, &reference, plan.stations.len(), plan.axes.len()),
+            measured: measured_error(plan, &simulation, &reference),
             seconds: simulation.step_seconds,
             auto: i == 0,
         };
@@ -80,7 +80,9 @@ pub fn chart(scene: &Scene, out: &Path, told: &mut dyn FnMut(&str) -> bool) -> R
             break;
         }
     }
-    time_in_rounds(&plans, &mut points)?;
+    if points.len() == plans.len() {
+        time_in_rounds(&plans, &mut points)?;
+    }
     let value = json!({
         "title": scene.title, "accuracy": scene.accuracy,
         "norm": "relative L2 in time of acceleration at the worst station and component, inside the band",

@@ -67,22 +67,26 @@ pub fn surface_ratios(
             .map(|c| (rho, c)),
         Base::Rigid => None,
     };
-    let (mut up, mut down) = (Complex64::ONE, Complex64::ONE);
+    // amplitudes of the present layer's top, divided by e^grown: thick damped columns overflow otherwise
+    let (mut up, mut down, mut grown) = (Complex64::ONE, Complex64::ONE, 0.0_f64);
     let last = profile.layers.len() - 1;
     for i in 0..=last {
         let (rho, c) = (profile.layers[i].rho, speed(i));
-        let phase = (Complex64::I * omega / c * profile.layers[i].thickness).exp();
-        let (a, b) = (up * phase, down / phase);
+        let exponent = Complex64::I * omega / c * profile.layers[i].thickness;
+        grown += exponent.re.abs();
+        let (a, b) =
+            (up * (exponent - exponent.re.abs()).exp(), down * (-exponent - exponent.re.abs()).exp());
         let below = if i < last { Some((profile.layers[i + 1].rho, speed(i + 1))) } else { rock };
         let Some((rho_below, c_below)) = below else {
-            let within = 2.0 / (a + b);
+            let within = 2.0 * (-grown).exp() / (a + b);
             return SurfaceRatios { outcrop: within, within };
         };
         let alpha = rho * c / (rho_below * c_below);
         up = 0.5 * (a * (1.0 + alpha) + b * (1.0 - alpha));
         down = 0.5 * (a * (1.0 - alpha) + b * (1.0 + alpha));
     }
-    SurfaceRatios { outcrop: 1.0 / up, within: 2.0 / (up + down) }
+    let shrink = (-grown).exp();
+    SurfaceRatios { outcrop: shrink / up, within: 2.0 * shrink / (up + down) }
 }
 
 #[cfg(test)]
@@ -131,6 +135,14 @@ mod tests {
                 assert!((r.within - kh.cos().inv()).norm() < 1e-12 * r.within.norm());
             }
         }
+    }
+
+    #[test]
+    fn a_thick_damped_column_attenuates_without_overflow() {
+        let mut p = uniform(0.3);
+        p.layers[0].thickness = 20_000.0;
+        let r = surface_ratios(&p, 0, Law::Causal, 0.0, 20.0);
+        assert!(r.outcrop.norm() < 1e-200 && r.within.norm() < 1e-200, "{r:?}");
     }
 
     #[test]

@@ -49,22 +49,22 @@ impl MotionInput {
                 described.push(describe(axis, c));
             }
         }
-        let mut motion = if channels.iter().any(Option::is_some) {
-            let file_part =
+        let recorded = channels.iter().any(Option::is_some);
+        let mut motion = if recorded {
+            let mut motion =
                 Motion::from_channels([channels[0].as_ref(), channels[1].as_ref(), channels[2].as_ref()])?;
-            with_wavelets(scene, file_part, &mut described)?
+            // a wavelet has no instrument's offset: it joins afterwards
+            match scene.motion.offset {
+                scene::Offset::Mean => motion.remove_offset(Offset::Mean)?,
+                scene::Offset::First { first_seconds } => {
+                    motion.remove_offset(Offset::FirstSeconds(first_seconds))?;
+                }
+                scene::Offset::None => {}
+            }
+            with_wavelets(scene, motion, &mut described)?
         } else {
             from_wavelets(scene, quantity, &mut described)?
         };
-        let synthetic = channels.iter().all(Option::is_none);
-        match scene.motion.offset {
-            _ if synthetic => {}
-            scene::Offset::Mean => motion.remove_offset(Offset::Mean)?,
-            scene::Offset::First { first_seconds } => {
-                motion.remove_offset(Offset::FirstSeconds(first_seconds))?
-            }
-            scene::Offset::None => {}
-        }
         to_acceleration(&mut motion);
         let mut input = Self { motion, channels: described, scale: None, warnings: vec![] };
         input.scale(scene)?;

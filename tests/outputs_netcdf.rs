@@ -261,20 +261,86 @@ fn missing_folder_is_named() {
     assert!(matches!(error, OutputError::UnwritableFolder { .. }), "{error}");
 }
 
-/// Needs a small file system at `HATI_SMALL_DISK`, for instance a tmpfs of 3 MiB.
+/// A file system in memory, gone with the value.
+struct SmallDisk(tempfile::TempDir);
+
+impl SmallDisk {
+    fn mount(size: &str) -> Option<Self> {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let mounted = cfg!(target_os = "linux")
+            && Command::new("mount")
+                .args(["-t", "tmpfs", "-o", &format!("size={size}"), "tmpfs"])
+                .arg(folder.path())
+                .output()
+                .is_ok_and(|output| output.status.success());
+        mounted.then_some(Self(folder))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("--lazy").arg(self.0.path()).output();
+    }
+}
+
+/// Every writer refuses what does not fit before it touches its file, the first append like a later one.
 #[test]
-fn full_disk_is_recognised() {
-    let Some(disk) = std::env::var_os("HATI_SMALL_DISK").map(PathBuf::from) else {
-        eprintln!("SKIPPED full_disk_is_recognised: HATI_SMALL_DISK names no small file system");
+fn full_disk_is_recognised_and_leaves_whole_files() {
+    // Room for the heads alone, and for some appends.
+    for (size, fits) in [("1300k", false), ("9m", true)] {
+        let Some(disk) = SmallDisk::mount(size) else {
+            eprintln!("SKIPPED full_disk_is_recognised: a small disk cannot be mounted here (needs root)");
+            return;
+        };
+        let path = disk.0.path().join("ledger.nc");
+        let mut writer = LedgerWriter::create(&path, &provenance()).expect("ledger.nc");
+        let mut rows = ledger_rows();
+        let mut error = None;
+        while error.is_none() {
+            assert!(writer.rows() < 10_000_000, "the disk never fills");
+            error = writer.append(&rows).err();
+            rows.iter_mut().for_each(|row| row.time += SAMPLES as f64 * DT);
+        }
+        let error = error.expect("the disk fills up");
+        assert!(matches!(error, OutputError::DiskFull { room: Some(_), .. }), "{error}");
+        assert!(error.to_string().contains("was not begun"), "{error}");
+        let written = writer.rows();
+        assert_eq!(written > 0, fits, "{size}: {written} rows");
+        // Refused again, and closed as a program does that gives up.
+        assert!(writer.append(&rows).is_err());
+        drop(writer);
+        let file = netcdf::open(&path).expect("the file opens");
+        assert_eq!(file.dimension_len("time"), Some(written));
+        for name in ["time", "elapsed_time", "energy_input", "energy_residual"] {
+            let values = file.variable(name).expect(name).get_values::<f64, _>(..).expect("values");
+            assert!(values.len() == written && values.iter().all(|x| x.is_finite()), "{size}: {name}");
+        }
+        let error =
+            write_summary(&disk.0.path().join("summary.json"), &json!({"text": "x".repeat(10 << 20)}))
+                .expect_err("no room");
+        assert!(matches!(error, OutputError::DiskFull { room: None, .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_disk_without_room_for_the_heads_gets_no_file() {
+    let Some(disk) = SmallDisk::mount("900k") else {
+        eprintln!(
+            "SKIPPED a_disk_without_room_for_the_heads: a small disk cannot be mounted here (needs root)"
+        );
         return;
     };
-    let mut writer = LedgerWriter::create(&disk.join("ledger.nc"), &provenance()).expect("ledger.nc");
-    let rows = ledger_rows();
-    let error = (0..10_000).find_map(|_| writer.append(&rows).err()).expect("the disk fills up");
-    assert!(matches!(error, OutputError::DiskFull { .. }), "{error}");
-    let error = write_summary(&disk.join("summary.json"), &json!({"text": "x".repeat(4 << 20)}))
-        .expect_err("no room");
-    assert!(matches!(error, OutputError::DiskFull { .. }), "{error}");
+    let refused = |path: &Path, error: Option<OutputError>| {
+        assert!(matches!(error, Some(OutputError::DiskFull { room: Some(_), .. })), "{error:?}");
+        assert!(!path.exists());
+    };
+    let path = disk.0.path().join("stations.nc");
+    let layout = [TraceLayout { place: "surface".to_owned(), depth: Some(0.0), axis: 0 }];
+    refused(&path, StationsWriter::create(&path, &provenance(), &layout).err());
+    let path = disk.0.path().join("field.nc");
+    refused(&path, FieldWriter::create(&path, &provenance(), &[0], &[0.0, 1.0], &[]).err());
+    let path = disk.0.path().join("ledger.nc");
+    refused(&path, LedgerWriter::create(&path, &provenance()).err());
 }
 
 #[test]

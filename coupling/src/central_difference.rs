@@ -13,6 +13,8 @@
 //! $\omega\,\Delta t \le 2$, whatever $c \ge 0$ (the mean velocity of an alternating motion vanishes,
 //! so the dashpot does not act at the limit).
 
+use num_complex::Complex64;
+
 /// Position after half a step: $u + \tfrac{\Delta t}{2} v$.
 #[inline(always)]
 pub fn drift(u: f64, v: f64, half_dt: f64) -> f64 {
@@ -40,17 +42,23 @@ pub fn dt_critical(omega_max: f64) -> f64 {
     2.0 / omega_max
 }
 
-/// Frequency symbol of the second difference at the kicks:
-/// $-\tfrac{4}{\Delta t^2}\sin^2(\tfrac{\omega\Delta t}{2})$ stands where the continuum has $-\omega^2$.
-pub fn acceleration_symbol(omega: f64, dt: f64) -> f64 {
-    let s = (0.5 * omega * dt).sin() * 2.0 / dt;
-    -s * s
+/// Symbol of the second difference at the kicks for a motion $e^{st}$:
+/// $\tfrac{4}{\Delta t^2}\sinh^2\tfrac{s\Delta t}{2}$ stands where the continuum has $s^2$; with
+/// $s = i\omega$ it is $-\tfrac{4}{\Delta t^2}\sin^2\tfrac{\omega\Delta t}{2}$.
+pub fn acceleration_symbol(s: Complex64, dt: f64) -> Complex64 {
+    let half = (0.5 * dt * s).sinh() * (2.0 / dt);
+    half * half
 }
 
-/// Frequency symbol of the mean velocity at the kicks: $i\,\sin(\omega\Delta t)/\Delta t$ stands where
-/// the continuum has $i\omega$; this returns the factor of $i$.
-pub fn velocity_symbol(omega: f64, dt: f64) -> f64 {
-    (omega * dt).sin() / dt
+/// Symbol of the mean velocity at the kicks, $\sinh(s\Delta t)/\Delta t$ in place of $s$.
+pub fn velocity_symbol(s: Complex64, dt: f64) -> Complex64 {
+    (s * dt).sinh() / dt
+}
+
+/// Symbol of a rate under the trapezoidal rule from kick to kick,
+/// $\tfrac{2}{\Delta t}\tanh\tfrac{s\Delta t}{2}$ in place of $s$.
+pub fn trapezoidal_symbol(s: Complex64, dt: f64) -> Complex64 {
+    (0.5 * dt * s).tanh() * (2.0 / dt)
 }
 
 #[cfg(test)]

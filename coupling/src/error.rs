@@ -34,7 +34,7 @@ pub enum CouplingError {
     },
     /// The Lanczos process did not settle on the largest eigenvalue.
     #[error(
-        "largest eigenfrequency not found to {tolerance:.1e} in {iterations} Lanczos steps (last residual {residual:.1e}); check the mass matrix for zeros"
+        "largest eigenfrequency not found to {tolerance:.1e} in {iterations} Lanczos steps (last residual {residual:.1e}): the highest eigenfrequencies lie too close together, as in a uniform mesh of very many elements, or the stiffness is not symmetric; take fewer elements"
     )]
     SpectralBound {
         /// Asked relative tolerance.

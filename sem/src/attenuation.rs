@@ -16,7 +16,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Most mechanisms on offer.
-pub const MECHANISMS_MAX: usize = 8;
+pub const MECHANISMS_MAX: usize = 12;
 
 /// How a modulus depends on frequency, as a factor on its value at the reference frequency.
 #[derive(Debug, Clone, PartialEq)]
@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn the_error_falls_with_every_arm_on_any_band() {
-        for span in [3.0, 30.0, 300.0, 1000.0] {
+        for span in [3.0, 30.0, 300.0, 1e4] {
             let error = |mechanisms: usize| {
                 let arms = MaxwellArms::fit(0.03, 1.0, (0.1, 0.1 * span), mechanisms).unwrap();
                 (0..=300).fold(0.0_f64, |m, i| {
@@ -292,7 +292,7 @@ mod tests {
             };
             let e: Vec<f64> = (1..=MECHANISMS_MAX).map(error).collect();
             for w in e.windows(2) {
-                assert!(w[1] < 0.6 * w[0] || w[1] < 1e-5, "span {span}: {e:?}");
+                assert!(w[1] < 0.7 * w[0] || w[1] < 1e-5, "span {span}: {e:?}");
             }
         }
     }
@@ -313,7 +313,9 @@ mod tests {
     #[test]
     fn zero_damping_is_elastic_and_bad_bands_are_refused() {
         assert_eq!(MaxwellArms::fit(0.0, 1.0, (0.1, 10.0), 3).unwrap(), MaxwellArms::elastic());
-        for (band, mechanisms) in [((1.0, 1.0), 3), ((0.0, 10.0), 3), ((0.1, 10.0), 0), ((0.1, 10.0), 9)] {
+        for (band, mechanisms) in
+            [((1.0, 1.0), 3), ((0.0, 10.0), 3), ((0.1, 10.0), 0), ((0.1, 10.0), MECHANISMS_MAX + 1)]
+        {
             assert!(MaxwellArms::fit(0.1, 1.0, band, mechanisms).is_err());
         }
     }

@@ -15,7 +15,7 @@ mod record;
 mod show;
 
 use crate::plan::{Plan, PlanError};
-use crate::run::{Outcome, RunControl, RunError, run};
+use crate::run::{RunControl, RunError, run};
 use crate::verify::Check;
 use arguments::{Arguments, RunArguments, SceneArguments, Verb, VerifyArguments};
 use clap::Parser;
@@ -63,14 +63,16 @@ impl Failure {
 
 impl From<PlanError> for Failure {
     fn from(e: PlanError) -> Self {
-        Self::input(e)
+        let exit = if matches!(e, PlanError::Memory { .. }) { Exit::Machine } else { Exit::WrongInput };
+        Self::new(exit, e)
     }
 }
 
 impl From<RunError> for Failure {
     fn from(e: RunError) -> Self {
         let exit = match &e {
-            RunError::Plan(_) | RunError::Sem(_) => Exit::WrongInput,
+            RunError::Plan(PlanError::Memory { .. }) => Exit::Machine,
+            RunError::Scene(_) | RunError::Plan(_) | RunError::Sem(_) => Exit::WrongInput,
             RunError::Output(_) => Exit::Machine,
             RunError::Coupling(hati_coupling::CouplingError::Unstable { .. }) => Exit::Unstable,
             RunError::Coupling(_) => Exit::WrongInput,
@@ -230,8 +232,13 @@ fn run_verb(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
         progress: &mut |done, all, seconds| meter.update(done, all, seconds),
         history: format!("{} hati {} run {}", now(), env!("CARGO_PKG_VERSION"), a.scene.scene.display()),
     };
-    let Outcome { summary, interrupted } = run(&scene, &plan, &out, &mut control)?;
+    let start = std::time::Instant::now();
+    let outcome = run(&scene, &plan, &out, &mut control)?;
     meter.finish();
+    let (mut summary, interrupted) = (outcome.summary.clone(), outcome.interrupted);
+    crate::site_response::report(&scene, &plan, outcome, &out).map_err(RunError::from)?;
+    summary["cost"]["wall_s"] = json!(start.elapsed().as_secs_f64());
+    crate::outputs::write_summary(&out.join("summary.json"), &summary).map_err(RunError::from)?;
     if json {
         print_json(&summary)?;
     } else {

@@ -88,6 +88,7 @@ pub(super) fn channels(channels: &[Value]) -> String {
         "Arias m/s",
         "CAV m/s",
         "D5-95 s",
+        "band Hz",
     ];
     let text = |v: &Value| v.as_str().unwrap_or("").to_string();
     let number = |v: &Value| v.as_f64().map_or_else(String::new, |x| format!("{x:.4e}"));
@@ -101,6 +102,10 @@ pub(super) fn channels(channels: &[Value]) -> String {
                 c["dt"].to_string(),
             ];
             row.extend(["pga", "pgv", "pgd", "arias", "cav", "d5_95"].map(|k| number(&c[k])));
+            row.push(match (c["band"][0].as_f64(), c["band"][1].as_f64()) {
+                (Some(f_min), Some(f_max)) => format!("{f_min:.3}–{f_max:.2}"),
+                _ => String::new(),
+            });
             row
         })
         .collect();

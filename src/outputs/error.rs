@@ -16,10 +16,12 @@ pub enum OutputError {
         cause: std::io::Error,
     },
     /// The file system has no room left.
-    #[error("no space left on the disk while writing {}\n  help: free space or choose another disk with --out; what was written before is intact", path.display())]
+    #[error("no space left on the disk for {}: {}\n  help: free space or choose another disk with --out", path.display(), state(room.as_ref()))]
     DiskFull {
-        /// The file that was being written.
+        /// The file that was to be written.
         path: PathBuf,
+        /// Where the file was not even touched: what was wanted and what is free.
+        room: Option<Room>,
     },
     /// Any other failure of the operating system.
     #[error("cannot write {}: {cause}", path.display())]
@@ -79,13 +81,40 @@ pub enum OutputError {
     },
 }
 
+/// Room on a file system, found too small before anything was written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Room {
+    /// Bytes wanted: those of the next part twice, and a mebibyte.
+    pub wanted: u64,
+    /// Bytes free.
+    pub free: u64,
+}
+
+/// What a full disk means for the file.
+fn state(room: Option<&Room>) -> String {
+    match room {
+        Some(Room { wanted, free }) => format!(
+            "its next part was not begun, since that wants {} MiB with a reserve and {} MiB are free; what was \
+             written before is intact",
+            mebibytes(*wanted, f64::ceil),
+            mebibytes(*free, f64::floor)
+        ),
+        None => "it was cut off in the middle; files that were complete before are intact".to_owned(),
+    }
+}
+
+/// Mebibytes with one decimal, rounded to the side that `round` says.
+fn mebibytes(bytes: u64, round: fn(f64) -> f64) -> String {
+    format!("{:.1}", round(bytes as f64 / f64::from(1 << 20) * 10.0) / 10.0)
+}
+
 impl OutputError {
     /// Sorts a failure of the system into disk full, unwritable folder or anything else.
     pub(crate) fn from_io(path: &Path, cause: std::io::Error) -> Self {
         use std::io::ErrorKind;
         let path = path.to_path_buf();
         match cause.kind() {
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::DiskFull { path },
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::DiskFull { path, room: None },
             ErrorKind::NotFound
             | ErrorKind::PermissionDenied
             | ErrorKind::ReadOnlyFilesystem
@@ -119,6 +148,36 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
         _ => PathBuf::from("."),
     }
+}
+
+/// Room kept free beside every part, bytes: for what a library writes about it and for the small files.
+const RESERVE: u64 = 1 << 20;
+
+/// Refuses to begin a part of `bytes` bytes unless the file system has room for it twice and a mebibyte more.
+///
+/// HDF5 keeps chunks in memory and writes them when it flushes; one that fails half-way may leave a file
+/// that does not open. A file system that does not tell its room counts as having enough.
+pub(crate) fn expect_room(path: &Path, bytes: u64) -> Result<(), OutputError> {
+    let wanted = bytes.saturating_mul(2).saturating_add(RESERVE);
+    match free(&folder_of(path)) {
+        Some(free) if free < wanted => {
+            Err(OutputError::DiskFull { path: path.to_path_buf(), room: Some(Room { wanted, free }) })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Bytes that the file system of a folder has free for this user.
+#[cfg(unix)]
+fn free(folder: &Path) -> Option<u64> {
+    let told = rustix::fs::statvfs(folder).ok()?;
+    // Some file systems of networks and of user space tell nothing at all.
+    (told.f_blocks > 0).then(|| told.f_bavail.saturating_mul(told.f_frsize))
+}
+
+#[cfg(not(unix))]
+fn free(_: &Path) -> Option<u64> {
+    None
 }
 
 fn trial_write(folder: &Path) -> std::io::Result<()> {

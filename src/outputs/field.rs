@@ -55,7 +55,8 @@ impl FieldWriter {
         depth: &[f64],
         profile_depth: &[f64],
     ) -> Result<Self, OutputError> {
-        let mut file = OutputFile::create(path)?;
+        let mut file =
+            OutputFile::create(path, 8 * (depth.len() + (1 + 5 * axes.len()) * profile_depth.len()))?;
         let axes = file.checked_axes(axes)?;
         if depth.is_empty() {
             file.expect_length("depth", 0, 1)?;
@@ -105,6 +106,7 @@ impl FieldWriter {
         if rows == 0 {
             return Ok(());
         }
+        self.file.expect_room(rows)?;
         self.file.put_time(elapsed_time)?;
         for chunk in chunks {
             for (motion, values) in motions(chunk) {
@@ -120,6 +122,7 @@ impl FieldWriter {
     /// # Errors
     /// A component or a length that the file was not created with, full disk.
     pub fn write_peaks(&mut self, peaks: &[PeakProfile]) -> Result<(), OutputError> {
+        self.file.expect_room_for(5 * 8 * self.profile * peaks.len())?;
         for peak in peaks {
             self.expect_axis(peak.axis)?;
             for (name, values) in peak_values(peak) {

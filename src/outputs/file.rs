@@ -29,11 +29,13 @@ pub(super) struct OutputFile {
     file: FileMut,
     path: PathBuf,
     rows: usize,
+    /// Chunks along `time`: rows of one, and bytes of all that begin at one row.
+    chunks: Vec<(usize, u64)>,
 }
 
 impl OutputFile {
-    /// Creates `path`, replacing an older file.
-    pub(super) fn create(path: &Path) -> Result<Self, OutputError> {
+    /// Creates `path`, replacing an older file; `bytes` are those of the variables without `time`.
+    pub(super) fn create(path: &Path, bytes: usize) -> Result<Self, OutputError> {
         let folder = super::error::folder_of(path);
         if !folder.is_dir() {
             return Err(OutputError::UnwritableFolder {
@@ -41,6 +43,7 @@ impl OutputFile {
                 cause: std::io::Error::from(std::io::ErrorKind::NotFound),
             });
         }
+        super::error::expect_room(path, bytes as u64)?;
         // Replacing the name, not the content, leaves a reader of an older run its file.
         match std::fs::remove_file(path) {
             Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
@@ -50,7 +53,7 @@ impl OutputFile {
         }
         let file = netcdf::create_with(path, Options::NETCDF4)
             .map_err(|cause| OutputError::from_netcdf(path, "create the file", cause))?;
-        Ok(Self { file, path: path.to_path_buf(), rows: 0 })
+        Ok(Self { file, path: path.to_path_buf(), rows: 0, chunks: vec![] })
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -89,8 +92,11 @@ impl OutputFile {
         storage: Storage<'_>,
         attributes: &[(&str, &str)],
     ) -> Result<(), OutputError> {
-        let define = || -> netcdf::Result<()> {
+        let mut along = 1;
+        let mut define = || -> netcdf::Result<()> {
             let mut variable = self.file.add_variable::<T>(name, dimensions)?;
+            let lengths = variable.dimensions().iter().map(netcdf::Dimension::len);
+            along = lengths.zip(storage.chunk).skip(1).map(|(n, chunk)| n.div_ceil(*chunk)).product();
             if !storage.chunk.is_empty() {
                 variable.set_chunking(storage.chunk)?;
             }
@@ -105,9 +111,29 @@ impl OutputFile {
             }
             Ok(())
         };
-        let mut define = define;
-        define()
-            .map_err(|cause| OutputError::from_netcdf(&self.path, format!("define variable {name}"), cause))
+        define().map_err(|cause| {
+            OutputError::from_netcdf(&self.path, format!("define variable {name}"), cause)
+        })?;
+        if let Some(&rows) = storage.chunk.first() {
+            let values = along * storage.chunk.iter().product::<usize>();
+            self.chunks.push((rows, (values * size_of::<T>()) as u64));
+        }
+        Ok(())
+    }
+
+    /// Refuses an append of `rows` rows that the disk has no room for.
+    ///
+    /// HDF5 writes whole chunks: those that the rows begin, and again the one that they go on with, which
+    /// may find no place in its old one where it is compressed.
+    pub(super) fn expect_room(&self, rows: usize) -> Result<(), OutputError> {
+        let touched = |chunk: usize| ((self.rows + rows).div_ceil(chunk) - self.rows / chunk) as u64;
+        let bytes = self.chunks.iter().map(|(chunk, bytes)| touched(*chunk) * bytes).sum();
+        super::error::expect_room(&self.path, bytes)
+    }
+
+    /// Refuses to write `bytes` bytes of variables without `time` that the disk has no room for.
+    pub(super) fn expect_room_for(&self, bytes: usize) -> Result<(), OutputError> {
+        super::error::expect_room(&self.path, bytes as u64)
     }
 
     /// Defines and fills a variable of texts along one dimension.

@@ -40,7 +40,7 @@ impl LedgerWriter {
     /// # Errors
     /// Unwritable folder, full disk.
     pub fn create(path: &Path, provenance: &Provenance) -> Result<Self, OutputError> {
-        let mut file = OutputFile::create(path)?;
+        let mut file = OutputFile::create(path, 0)?;
         provenance.write(&mut file, "energy ledger")?;
         file.define_time(provenance, 1024)?;
         for (name, words, comment) in LINES {
@@ -82,6 +82,7 @@ impl LedgerWriter {
             return Ok(());
         }
         let times: Vec<f64> = rows.iter().map(|row| row.time).collect();
+        self.file.expect_room(rows.len())?;
         self.file.put_time(&times)?;
         for (line, (name, ..)) in LINES.iter().enumerate() {
             let column: Vec<f64> = rows.iter().map(|row| values(row)[line]).collect();
@@ -101,6 +102,7 @@ impl LedgerWriter {
     /// # Errors
     /// Full disk, or a fault of the library.
     pub fn finish(mut self, closing_error: f64) -> Result<(), OutputError> {
+        self.file.expect_room_for(size_of::<f64>())?;
         self.file.put_all("closing_error", &[closing_error])?;
         self.file.attribute("closing_error", closing_error)?;
         self.file.close()

@@ -15,7 +15,11 @@
 //! environment variable `HDF5_USE_FILE_LOCKING`, which HDF5 reads when it first opens a file:
 //! [`restart_without_file_locking`] sets it for a program. Where it is not set the files are the
 //! same, and a reader that sets the variable itself can still open them during the run. A reader that
-//! comes in the middle of an append may be told of an HDF error; a second try a moment later succeeds.
+//! comes in the middle of an append may be told of an HDF error, or see a shorter file; it has to look
+//! again a moment later.
+//!
+//! **A disk that fills up.** Before each part the file system is asked for its room, and where the part
+//! would not fit, the writer refuses ([`OutputError::DiskFull`]) without having touched the file.
 
 mod error;
 mod field;
@@ -26,7 +30,7 @@ mod locking;
 mod provenance;
 mod stations;
 
-pub use error::OutputError;
+pub use error::{OutputError, Room};
 pub use field::{FieldChunk, FieldWriter};
 pub(crate) use json::replace_bytes;
 pub use json::{write_progress, write_summary};

@@ -89,7 +89,9 @@ impl StationsWriter {
     /// # Errors
     /// Unwritable folder, full disk, component above 2, two traces of one place and component.
     pub fn create(path: &Path, provenance: &Provenance, traces: &[TraceLayout]) -> Result<Self, OutputError> {
-        let mut file = OutputFile::create(path)?;
+        // Of each place: a name, three coordinates, and the words that describe its variables.
+        let texts: usize = traces.iter().map(|t| t.place.len() + 1024).sum();
+        let mut file = OutputFile::create(path, texts)?;
         let axes = file.checked_axes(&traces.iter().map(|t| t.axis).collect::<Vec<_>>())?;
         provenance.write(&mut file, "motions at stations")?;
         file.attribute("featureType", "timeSeries")?;
@@ -135,6 +137,7 @@ impl StationsWriter {
         if rows == 0 {
             return Ok(());
         }
+        self.file.expect_room(rows)?;
         self.file.put_time(elapsed_time)?;
         self.append_inputs(rows, chunks)?;
         if self.stations > 0 {

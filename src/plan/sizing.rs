@@ -9,7 +9,7 @@
 //! as it will run.
 
 use super::PlanError;
-use hati_sem::attenuation::{MECHANISMS_MAX, MaxwellArms, ModulusLaw};
+use hati_sem::attenuation::{MECHANISMS_MAX, MaxwellArms, ModulusLaw, constant_damping_factor};
 use hati_sem::column::{Column, Discretisation, Element, FrequencyResponse, TimeSymbol};
 use hati_sem::gll::{Gll, ORDER_MAX};
 use hati_sem::soil::Profile;
@@ -65,6 +65,15 @@ pub struct Fixed {
     pub mechanisms: Option<usize>,
 }
 
+impl Fixed {
+    fn is_free(&self) -> bool {
+        self.order.is_none()
+            && self.elements.is_none()
+            && self.substeps.is_none()
+            && self.mechanisms.is_none()
+    }
+}
+
 /// Responses of one model: `[axis][frequency][station]`, flattened.
 type Responses = Vec<Vec<Complex64>>;
 
@@ -76,6 +85,9 @@ pub struct Sizer<'a> {
     pub control: Control,
     /// Frequencies inside the band, Hz.
     pub frequencies: Vec<f64>,
+    /// Growth rate at which responses are taken, 1/s: π/2 times the spacing of `frequencies`, so that no
+    /// resonance falls between two of them.
+    pub growth: f64,
     /// Spectral weights of each active component.
     pub weights: Vec<Weight>,
     /// Station depths, m.
@@ -88,7 +100,10 @@ pub struct Sizer<'a> {
     pub samples: usize,
 }
 
-/// Points beyond which no mesh is tried.
+/// Most points of a column.
+const POINTS_LIMIT: usize = 400_000;
+
+/// Points beyond which no finer mesh is tried.
 const POINTS_MAX: usize = 20_000;
 
 /// Nanoseconds of a column's step: constant, and per block of four elements with n points and L
@@ -135,7 +150,7 @@ impl Sizer<'_> {
             let response = FrequencyResponse::new(self.profile, mesh, weight.axis, &laws, symbol, &depths)?;
             let mut values = Vec::with_capacity(self.frequencies.len() * self.stations.len());
             for &f in &self.frequencies {
-                let t = response.at(f);
+                let t = response.at_growing(f, self.growth);
                 let surface = t.per_within[self.stations.len()];
                 let control = match self.control {
                     Control::Outcrop => t.within_per_outcrop,
@@ -173,17 +188,46 @@ impl Sizer<'_> {
     }
 
     /// A mesh on which the space error is below 1e-9 over the band: order 10, an element per wavelength.
-    pub fn converged_mesh(&self) -> Discretisation {
-        Discretisation { order: ORDER_MAX, elements: self.elements(1.0) }
+    ///
+    /// Error: more than [`POINTS_LIMIT`] points; the layer with most elements is named.
+    pub fn converged_mesh(&self) -> Result<Discretisation, PlanError> {
+        let mesh = Discretisation { order: ORDER_MAX, elements: self.elements(1.0) };
+        self.check_points(&mesh)?;
+        Ok(mesh)
+    }
+
+    fn check_points(&self, mesh: &Discretisation) -> Result<(), PlanError> {
+        let points = mesh.elements.iter().sum::<usize>() * mesh.order + 1;
+        if points <= POINTS_LIMIT {
+            return Ok(());
+        }
+        let layer = (0..mesh.elements.len()).max_by_key(|&i| mesh.elements[i]).unwrap_or(0);
+        let l = &self.profile.layers[layer];
+        Err(PlanError::TooManyPoints {
+            points,
+            limit: POINTS_LIMIT,
+            layer: l.name.clone(),
+            elements: mesh.elements[layer],
+            f_max: self.band.1,
+        })
+    }
+
+    /// Shortest wave speed of a layer in the band over all components, m/s: that of the damped modulus at
+    /// the band's upper end, where wavelengths are shortest.
+    fn slowest(&self, layer: usize) -> f64 {
+        let l = &self.profile.layers[layer];
+        let speed = |axis: usize| {
+            let s = Complex64::new(0.0, self.band.1 / self.profile.reference_frequency);
+            l.speed(axis) * constant_damping_factor(l.damping(axis), s).norm().sqrt()
+        };
+        self.axes().into_iter().map(speed).fold(f64::INFINITY, f64::min)
     }
 
     /// Elements per layer for `per_wavelength` elements in the shortest wavelength of each layer.
     fn elements(&self, per_wavelength: f64) -> Vec<usize> {
-        let axes = self.axes();
-        (self.profile.layers.iter())
-            .map(|l| {
-                let slowest = axes.iter().map(|&a| l.speed(a)).fold(f64::INFINITY, f64::min);
-                ((l.thickness * self.band.1 / slowest * per_wavelength).ceil() as usize).max(1)
+        (self.profile.layers.iter().enumerate())
+            .map(|(i, l)| {
+                ((l.thickness * self.band.1 / self.slowest(i) * per_wavelength).ceil() as usize).max(1)
             })
             .collect()
     }
@@ -193,74 +237,72 @@ impl Sizer<'_> {
     /// Returns the chosen one and its parts. If nothing meets the target within
     /// the user's fixed values, the most accurate one is returned.
     pub fn search(&self, target: f64, fixed: &Fixed) -> Result<Search, PlanError> {
-        let converged = self.converged_mesh();
+        let converged = self.converged_mesh()?;
         let reference = self.responses(&converged, None, TimeSymbol::Continuous)?;
         let subtract = |mut a: Responses| {
             a.iter_mut().zip(&reference).for_each(|(a, r)| a.iter_mut().zip(r).for_each(|(a, r)| *a -= r));
             a
         };
-        let fits = self.fits(fixed, &converged, &subtract)?;
-        let fit_errors: Vec<f64> =
-            fits.iter().map(|f| self.error(&[(&f.difference, 1.0)], &reference)).collect();
+        let fits = self.fits(target, fixed, &converged, &reference, &subtract)?;
         let probe_dt = 0.01 / self.band.1;
         let time = subtract(self.responses(&converged, None, TimeSymbol::CentralDifference(probe_dt))?);
         let time_error = self.error(&[(&time, 1.0)], &reference);
         let meshes = self.meshes(target, fixed, &reference, &subtract)?;
-        let mut candidates = vec![];
+        let mut trials = vec![];
         for (m, mesh) in meshes.iter().enumerate() {
             for (l, fit) in fits.iter().enumerate() {
                 let stable = self.stable_substeps(&mesh.discretisation, &fit.arms)?;
                 for substeps in substep_choices(stable, fixed.substeps) {
-                    let scale = (self.record_dt / substeps as f64 / probe_dt).powi(2);
-                    let parts = [mesh.error, fit_errors[l], scale * time_error];
+                    let time_scale = (self.record_dt / substeps as f64 / probe_dt).powi(2);
+                    let parts = [mesh.error, fit.error, time_scale * time_error];
                     let cost = self.cost(&mesh.discretisation, fit.mechanisms, substeps);
-                    candidates.push((cost, parts, m, l, substeps, scale));
+                    trials.push(Trial { cost, parts, mesh: m, fit: l, substeps, time_scale });
                 }
             }
         }
-        candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.choose(&candidates, target, &meshes, &fits, &time, &reference)
+        trials.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let mut search = self.choose(&trials, target, &meshes, &fits, &time, &reference)?;
+        search.coarsest &= fixed.is_free();
+        Ok(search)
     }
 
-    #[allow(clippy::type_complexity)]
+    /// Goes through the trials from the cheapest up.
     fn choose(
         &self,
-        candidates: &[(f64, [f64; 3], usize, usize, usize, f64)],
+        trials: &[Trial],
         target: f64,
         meshes: &[MeshChoice],
         fits: &[FitChoice],
         time: &Responses,
         reference: &Responses,
     ) -> Result<Search, PlanError> {
-        let describe = |c: &(f64, [f64; 3], usize, usize, usize, f64), error: f64| Candidate {
-            discretisation: meshes[c.2].discretisation.clone(),
-            substeps: c.4,
-            mechanisms: fits[c.3].mechanisms,
+        let candidate = |t: &Trial, error: f64| Candidate {
+            discretisation: meshes[t.mesh].discretisation.clone(),
+            substeps: t.substeps,
+            mechanisms: fits[t.fit].mechanisms,
             error,
-            cost: c.0,
+            cost: t.cost,
         };
+        let as_it_runs = |t: &Trial| self.discrete_error(&candidate(t, 0.0), &fits[t.fit].arms, reference);
         let mut best: Option<(f64, usize)> = None;
-        for (i, c) in candidates.iter().enumerate() {
-            let parts = c.1;
-            let largest = parts.iter().copied().fold(0.0, f64::max);
+        for (i, t) in trials.iter().enumerate() {
             // errors of space and time have opposite signs and may cancel: no part may rely on that
-            if largest > target {
-                if best.is_none_or(|(e, _)| largest < e) {
-                    best = Some((largest, i));
-                }
-                continue;
+            let mut error = t.parts.iter().copied().fold(0.0, f64::max);
+            if error <= target {
+                let sum =
+                    [(&meshes[t.mesh].difference, 1.0), (&fits[t.fit].difference, 1.0), (time, t.time_scale)];
+                error = error.max(self.error(&sum, reference));
             }
-            let sum = [(&meshes[c.2].difference, 1.0), (&fits[c.3].difference, 1.0), (time, c.5)];
-            let error = self.error(&sum, reference);
             if best.is_none_or(|(e, _)| error < e) {
                 best = Some((error, i));
             }
             if error <= target {
-                let exact = self.discrete_error(&describe(c, error), &fits[c.3].arms, reference)?;
+                let exact = as_it_runs(t)?;
                 if exact <= target {
+                    let chosen = candidate(t, exact);
                     return Ok(Search {
-                        chosen: describe(c, exact),
-                        parts,
+                        chosen,
+                        parts: t.parts,
                         weighed: i + 1,
                         met: true,
                         coarsest: i == 0,
@@ -269,10 +311,9 @@ impl Sizer<'_> {
             }
         }
         let (_, i) = best.ok_or(PlanError::NoCandidate)?;
-        let c = &candidates[i];
-        let exact = self.discrete_error(&describe(c, 0.0), &fits[c.3].arms, reference)?;
-        let weighed = candidates.len();
-        Ok(Search { chosen: describe(c, exact), parts: c.1, weighed, met: exact <= target, coarsest: i == 0 })
+        let exact = as_it_runs(&trials[i])?;
+        let (chosen, weighed) = (candidate(&trials[i], exact), trials.len());
+        Ok(Search { chosen, parts: trials[i].parts, weighed, met: exact <= target, coarsest: false })
     }
 
     fn discrete_error(
@@ -287,10 +328,13 @@ impl Sizer<'_> {
         Ok(self.error(&[(&run, 1.0)], reference))
     }
 
+    /// Damping fits with more and more mechanisms, until the error drops under a quarter of the target.
     fn fits(
         &self,
+        target: f64,
         fixed: &Fixed,
         converged: &Discretisation,
+        reference: &Responses,
         subtract: &dyn Fn(Responses) -> Responses,
     ) -> Result<Vec<FitChoice>, PlanError> {
         let axes = self.axes();
@@ -304,7 +348,11 @@ impl Sizer<'_> {
         for mechanisms in numbers {
             let arms = self.arms(mechanisms)?;
             let difference = subtract(self.responses(converged, Some(&arms), TimeSymbol::Continuous)?);
-            fits.push(FitChoice { mechanisms, arms, difference });
+            let error = self.error(&[(&difference, 1.0)], reference);
+            fits.push(FitChoice { mechanisms, arms, difference, error });
+            if error < 0.25 * target {
+                break;
+            }
         }
         Ok(fits)
     }
@@ -334,6 +382,7 @@ impl Sizer<'_> {
                 }
                 before = Some(elements.clone());
                 let discretisation = Discretisation { order, elements };
+                self.check_points(&discretisation)?;
                 let difference = subtract(self.responses(&discretisation, None, TimeSymbol::Continuous)?);
                 let error = self.error(&[(&difference, 1.0)], reference);
                 let finest = discretisation.elements.iter().sum::<usize>() * order > POINTS_MAX;
@@ -447,6 +496,18 @@ fn element_omega(order: usize) -> Result<f64, PlanError> {
     Ok(omega)
 }
 
+/// One combination under trial.
+struct Trial {
+    cost: f64,
+    /// Shares of space, damping fit and time.
+    parts: [f64; 3],
+    mesh: usize,
+    fit: usize,
+    substeps: usize,
+    /// (Δt over the probe's Δt)².
+    time_scale: f64,
+}
+
 struct MeshChoice {
     discretisation: Discretisation,
     difference: Responses,
@@ -457,6 +518,7 @@ struct FitChoice {
     mechanisms: usize,
     arms: Vec<[MaxwellArms; 3]>,
     difference: Responses,
+    error: f64,
 }
 
 /// Outcome of [`Sizer::search`].
@@ -470,6 +532,7 @@ pub struct Search {
     pub weighed: usize,
     /// Whether the target is met.
     pub met: bool,
-    /// Whether nothing cheaper exists in the search: the coarsest model that layers and record permit.
+    /// Whether nothing is fixed and nothing cheaper exists: the coarsest model that layers, record and
+    /// stability permit.
     pub coarsest: bool,
 }

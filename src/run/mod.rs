@@ -2,24 +2,25 @@
 
 mod drive;
 mod recorder;
-mod report_data;
 
-pub use drive::{Drive, discrete_response, drive};
-pub use recorder::{CHUNK, FieldRows, Place, Recorder, places};
-pub use report_data::{places_json, site_response, transfer_functions};
+pub use drive::{Drive, drive};
+pub use recorder::{CHUNK, FieldRows, Recorder};
 
+use crate::motion_input::measures_json;
 use crate::outputs::{
     FieldChunk, FieldWriter, LedgerWriter, OutputError, Provenance, StationsWriter, TraceChunk, TraceLayout,
     write_progress, write_summary,
 };
 use crate::plan::{Plan, PlanError};
-use crate::report::write_report;
-use crate::results::Trace;
+use crate::results::{AXES, Trace};
+use crate::spectrum::band_spectrum;
 use hati_coupling::{CouplingError, Subdomain};
+use hati_inputs::measures::Measures;
 use hati_inputs::motion::{Quantity, resample_as};
 use hati_inputs::scene::{Scene, resolved_toml};
 use hati_sem::SemError;
 use hati_sem::column::Column;
+use num_complex::Complex64;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -30,6 +31,9 @@ use std::time::{Duration, Instant};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
+    /// A scene with mistakes.
+    #[error("{0}")]
+    Scene(Box<hati_inputs::scene::Diagnostics>),
     /// While planning.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -56,8 +60,10 @@ pub struct RunControl<'a> {
     pub history: String,
 }
 
-/// How a run ended, and its summary.
+/// How a run ended, what it holds, and its summary.
 pub struct Outcome {
+    /// The finished simulation: what a report is made from.
+    pub simulation: Simulation,
     /// The content of `summary.json`.
     pub summary: Value,
     /// Whether it was interrupted.
@@ -81,8 +87,8 @@ pub struct Simulation {
 impl Simulation {
     /// Builds column, drive and recorder of a plan.
     pub fn new(plan: &Plan) -> Result<Self, RunError> {
-        let drive = drive(plan)?;
-        let base = drive.base.clone();
+        let mut drive = drive(plan)?;
+        let base = std::mem::take(&mut drive.base);
         let mut column = Column::new(&plan.column, &plan.discretisation, &plan.arms, plan.dt(), base)?;
         let recorder = Recorder::new(plan, &mut column, velocity_scale(plan, &drive))?;
         Ok(Self { column, recorder, drive, solver_seconds: 0.0, step_seconds: 0.0 })
@@ -177,9 +183,10 @@ fn unstable(plan: &Plan, column: &Column, time: f64) -> CouplingError {
 
 /// Runs a planned scene into a folder.
 ///
-/// The folder holds `scene.resolved.toml`, `stations.nc`, `field.nc`, `ledger.nc`, `summary.json`,
-/// `progress.json`, `report.html` and `figures/`. Files are complete after every append; an interrupt
-/// ends the run at the next sample with valid files and the status `interrupted`.
+/// The folder then holds `scene.resolved.toml`, `stations.nc`, `field.nc`, `ledger.nc`, `summary.json` and
+/// `progress.json`; the report is made afterwards from the outcome. Files are complete after every
+/// append; an interrupt ends the run at the next sample with valid files and the status `interrupted`,
+/// an instability with the status `unstable` and what was computed up to it.
 pub fn run(
     scene: &Scene,
     plan: &Plan,
@@ -187,58 +194,77 @@ pub fn run(
     control: &mut RunControl<'_>,
 ) -> Result<Outcome, RunError> {
     let wall = Instant::now();
+    plan.check_memory()?;
     let resolved = resolved_toml(scene, &plan.resolved);
     let mut files = Files::create(out, scene, plan, &resolved, &control.history)?;
     let mut simulation = Simulation::new(plan)?;
     files.open_streams(plan, &simulation)?;
-    let mut interrupted = false;
+    let ended = step_through(plan, out, &mut files, &mut simulation, control, wall);
+    let status = match &ended {
+        Ok(false) => "finished",
+        Ok(true) => "interrupted",
+        Err(RunError::Coupling(_)) => "unstable",
+        Err(_) => "failed",
+    };
+    if status != "failed" {
+        files.append(plan, &mut simulation)?;
+        files.finish(&simulation, simulation.recorder.ledger.closing_error())?;
+        write_progress(&out.join("progress.json"), &progress(plan, &simulation, status))?;
+    }
+    let interrupted = ended.or_else(|e| {
+        if status == "unstable" {
+            write_summary(&out.join("summary.json"), &summary(scene, plan, &simulation, status))?;
+        }
+        Err(e)
+    })?;
+    let mut summary = summary(scene, plan, &simulation, status);
+    summary["cost"]["wall_s"] = json!(wall.elapsed().as_secs_f64());
+    write_summary(&out.join("summary.json"), &summary)?;
+    Ok(Outcome { simulation, summary, interrupted })
+}
+
+/// The time loop with its files; true when it was interrupted.
+fn step_through(
+    plan: &Plan,
+    out: &Path,
+    files: &mut Files,
+    simulation: &mut Simulation,
+    control: &mut RunControl<'_>,
+    wall: Instant,
+) -> Result<bool, RunError> {
     let mut last_sync = Instant::now();
     while simulation.recorder.samples_taken() < plan.samples {
-        if control.interrupt.load(Ordering::Relaxed)
-            || control.max_wall_time.is_some_and(|t| wall.elapsed() > t)
-        {
-            interrupted = true;
-            break;
+        let overdue = control.max_wall_time.is_some_and(|t| wall.elapsed() > t);
+        if control.interrupt.load(Ordering::Relaxed) || overdue {
+            return Ok(true);
         }
         let start = Instant::now();
         let due = (files.written + CHUNK).min(plan.samples);
-        while simulation.recorder.samples_taken() < due {
-            simulation.advance(plan).inspect_err(|_| files.note_failure(out, plan))?;
+        let mut outcome = Ok(());
+        while outcome.is_ok() && simulation.recorder.samples_taken() < due {
+            outcome = simulation.advance(plan);
             let slow = start.elapsed() > Duration::from_millis(500);
             if slow || control.interrupt.load(Ordering::Relaxed) {
                 break;
             }
         }
         simulation.solver_seconds += start.elapsed().as_secs_f64();
+        outcome?;
         let full = simulation.recorder.samples_taken() == due;
         if full || last_sync.elapsed() > Duration::from_secs(4) {
-            files.append(plan, &mut simulation)?;
-            write_progress(&out.join("progress.json"), &progress(plan, &simulation))?;
+            files.append(plan, simulation)?;
+            write_progress(&out.join("progress.json"), &progress(plan, simulation, "running"))?;
             last_sync = Instant::now();
         }
         (control.progress)(simulation.recorder.samples_taken(), plan.samples, simulation.solver_seconds);
     }
-    files.append(plan, &mut simulation)?;
-    let closing_error = simulation.recorder.ledger.closing_error();
-    files.finish(&simulation, closing_error)?;
-    write_progress(&out.join("progress.json"), &progress(plan, &simulation))?;
-    let status = if interrupted { "interrupted" } else { "finished" };
-    let mut summary = summary(scene, plan, &simulation, status);
-    let mut data = site_response(scene, plan, &simulation);
-    summary["results"] = places_json(&data, plan.band.0);
-    summary["transfer"] = report_data::transfer_json(&data);
-    summary["cost"]["wall_s"] = json!(wall.elapsed().as_secs_f64());
-    data.summary = summary.clone();
-    write_report(out, &data)?;
-    summary["cost"]["wall_s"] = json!(wall.elapsed().as_secs_f64());
-    write_summary(&out.join("summary.json"), &summary)?;
-    Ok(Outcome { summary, interrupted })
+    Ok(false)
 }
 
-fn progress(plan: &Plan, simulation: &Simulation) -> Value {
+fn progress(plan: &Plan, simulation: &Simulation, status: &str) -> Value {
     let done = simulation.recorder.samples_taken();
     json!({
-        "samples_done": done, "samples": plan.samples,
+        "status": status, "samples_done": done, "samples": plan.samples,
         "elapsed_time_s": plan.time_first() + done.saturating_sub(1) as f64 * plan.sample_dt,
         "solver_s": simulation.solver_seconds,
     })
@@ -371,14 +397,6 @@ impl Files {
         }
         Ok(())
     }
-
-    /// Leaves a word in the folder before an error goes up; a failure to do so does not hide the error.
-    fn note_failure(&self, out: &Path, plan: &Plan) {
-        let _ = write_progress(
-            &out.join("progress.json"),
-            &json!({ "status": "unstable", "samples": plan.samples }),
-        );
-    }
 }
 
 /// What a run leaves in its folder, besides its progress.
@@ -393,20 +411,13 @@ fn summary(scene: &Scene, plan: &Plan, simulation: &Simulation, status: &str) ->
     let steps_done = simulation.column.steps_taken();
     let work = steps_done as f64 * plan.points() as f64 * plan.axes.len() as f64;
     let scale = plan.input.scale.as_ref().map(|(factor, why)| json!({ "factor": factor, "why": why }));
-    let mut warnings = plan.warnings.clone();
-    if simulation.drive.amplification > 30.0 {
-        warnings.push(format!(
-            "deconvolution amplified some frequency of the band {:.0} times: noise of the surface record grows alike at depth; narrow motion.band",
-            simulation.drive.amplification
-        ));
-    }
     json!({
         "title": scene.title, "hati_version": env!("CARGO_PKG_VERSION"), "format_version": 1, "status": status,
         "accuracy": { "asked": scene.accuracy, "predicted": plan.search.chosen.error },
         "record": {
             "channels": plan.input.channels, "scale": scale, "steps": plan.input.motion.steps,
             "start": start_iso(plan), "kind": scene.motion.kind.as_str(),
-            "deconvolution_amplification": simulation.drive.amplification,
+            "deconvolution_amplification": plan.amplification,
         },
         "model": plan.model_json(),
         "plan": plan.reasons.iter().map(|r| format!("{} = {}: {}", r.key, r.value, r.why)).collect::<Vec<_>>(),
@@ -418,10 +429,78 @@ fn summary(scene: &Scene, plan: &Plan, simulation: &Simulation, status: &str) ->
             "solver_s": simulation.solver_seconds,
             "steps_s": simulation.step_seconds,
             "ns_per_point_component_step": 1e9 * simulation.step_seconds / work.max(1.0),
-            "solver_estimated_s": plan.search.chosen.cost,
+            "solver_estimated_s": plan.seconds(),
         },
         "outputs": outputs(plan),
-        "warnings": warnings,
+        "warnings": plan.warnings,
+        "results": measures_by_place(plan, simulation),
+        "transfer": transfer_peaks(plan, simulation),
         "same_bits_for_any_thread_count": true,
     })
+}
+
+/// Peaks, intensities and durations: `{place: {axis: {pga, …}}}`.
+fn measures_by_place(plan: &Plan, simulation: &Simulation) -> Value {
+    let taken = simulation.recorder.samples_taken();
+    let mut places = serde_json::Map::new();
+    for t in simulation.outcrop_traces(plan).iter().chain(&simulation.recorder.traces) {
+        let a = &t.acceleration[..taken.min(t.acceleration.len())];
+        let mut m = measures_json(&Measures::of(a, plan.sample_dt, plan.band.0));
+        m["depth"] = json!(t.depth);
+        let entry = places.entry(t.place.clone()).or_insert_with(|| json!({}));
+        entry[AXES[t.axis].to_string()] = m;
+    }
+    Value::Object(places)
+}
+
+/// A ratio of the run's own spectra.
+pub struct Ratio {
+    /// `surface/outcrop` or `surface/within`.
+    pub name: String,
+    /// Component.
+    pub axis: usize,
+    /// Frequencies, Hz, where the denominator carries energy.
+    pub frequency: Vec<f64>,
+    /// The ratio there.
+    pub ratio: Vec<Complex64>,
+}
+
+/// Share of the largest amplitude of the denominator below which a ratio of spectra is not shown.
+const RATIO_FLOOR: f64 = 1e-3;
+
+/// Surface/outcrop and surface/within of every component, from the run's own motions.
+pub fn transfer_ratios(plan: &Plan, simulation: &Simulation) -> Vec<Ratio> {
+    let outcrop = simulation.outcrop_traces(plan);
+    let mut ratios = vec![];
+    for &axis in &plan.axes {
+        let spectrum = |place: &str| {
+            let all = outcrop.iter().chain(&simulation.recorder.traces);
+            let t = all.into_iter().find(|t| t.place == place && t.axis == axis)?;
+            Some(band_spectrum(&t.acceleration, plan.sample_dt, plan.band))
+        };
+        let Some((frequency, surface)) = spectrum("surface") else { continue };
+        for place in ["outcrop", "within"] {
+            let Some((_, below)) = spectrum(place).filter(|(f, _)| f.len() == frequency.len()) else {
+                continue;
+            };
+            let floor = RATIO_FLOOR * below.iter().map(|b| b.norm()).fold(0.0, f64::max);
+            let (frequency, ratio) = (0..frequency.len())
+                .filter(|&k| below[k].norm() > floor)
+                .map(|k| (frequency[k], surface[k] / below[k]))
+                .unzip();
+            ratios.push(Ratio { name: format!("surface/{place}"), axis, frequency, ratio });
+        }
+    }
+    ratios
+}
+
+/// Largest value of each of the run's own transfer functions and its frequency.
+fn transfer_peaks(plan: &Plan, simulation: &Simulation) -> Value {
+    let peak = |r: &Ratio| {
+        let top = (r.frequency.iter().zip(&r.ratio)).max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+        top.map(|(f, value)| {
+            json!({ "name": r.name, "axis": AXES[r.axis].to_string(), "run_peak": value.norm(), "run_frequency": f })
+        })
+    };
+    Value::Array(transfer_ratios(plan, simulation).iter().filter_map(peak).collect())
 }

@@ -50,27 +50,6 @@ pub struct Recorder {
     input_max: f64,
 }
 
-/// A place whose motion is recorded.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Place {
-    /// Name.
-    pub name: String,
-    /// Depth, m.
-    pub depth: f64,
-}
-
-/// The scene's stations, with the surface and the base added where they are missing.
-pub fn places(plan: &Plan) -> Vec<Place> {
-    let mut places: Vec<Place> =
-        plan.stations.iter().map(|s| Place { name: s.name.clone(), depth: s.depth }).collect();
-    for (name, depth) in [("surface", 0.0), ("within", plan.column.depth())] {
-        if !places.iter().any(|p| p.name == name) {
-            places.push(Place { name: name.into(), depth });
-        }
-    }
-    places
-}
-
 impl Recorder {
     /// Sets up everything for `plan.samples` samples.
     ///
@@ -78,12 +57,12 @@ impl Recorder {
     pub fn new(plan: &Plan, column: &mut Column, velocity_scale: f64) -> Result<Self, SemError> {
         let samples = plan.samples;
         let room = || Vec::with_capacity(samples);
-        let places = places(plan);
-        let probes = places.iter().map(|p| column.mesh().probe(p.depth)).collect::<Result<Vec<_>, _>>()?;
+        let probes =
+            plan.places.iter().map(|p| column.mesh().probe(p.depth)).collect::<Result<Vec<_>, _>>()?;
         let field_probes =
             plan.field_depths.iter().map(|&d| column.mesh().probe(d)).collect::<Result<Vec<_>, _>>()?;
         let mut traces = vec![];
-        for place in &places {
+        for place in &plan.places {
             for &axis in &plan.axes {
                 traces.push(Trace {
                     place: place.name.clone(),
@@ -191,7 +170,7 @@ impl Recorder {
             return;
         }
         let (field, section) = (&mut self.field[c], &mut self.sections[c]);
-        let drawn = (self.time.len() - 1) % self.section_stride == 0;
+        let drawn = (self.time.len() - 1).is_multiple_of(self.section_stride);
         if drawn {
             section.time.push(elapsed);
         }

@@ -1,6 +1,6 @@
 //! Profiles and motions that the cases share.
 
-use crate::motion_input::MotionInput;
+use crate::motion_input::{MotionInput, active_axes};
 use crate::plan::{Plan, PlanError};
 use crate::run::{RunError, Simulation};
 use hati_inputs::motion::{Motion, Quantity};
@@ -84,8 +84,7 @@ vs = 1100.0
 rho = 2350.0
 "#;
 
-/// A scene from a soil section and extra keys; panics are impossible for the texts of this module, and
-/// a fault of theirs comes out as an error.
+/// A scene along x from a soil section and extra keys; a fault of the text comes out as an error.
 pub fn scene_with(
     soil: &str,
     kind: &str,
@@ -93,30 +92,32 @@ pub fn scene_with(
     motion: &str,
     rest: &str,
 ) -> Result<Scene, RunError> {
+    scene_along('x', soil, kind, accuracy, motion, rest)
+}
+
+/// A scene along one axis.
+pub(super) fn scene_along(
+    axis: char,
+    soil: &str,
+    kind: &str,
+    accuracy: f64,
+    motion: &str,
+    rest: &str,
+) -> Result<Scene, RunError> {
     let text = format!(
-        "version = 1\naccuracy = {accuracy:e}\n[motion]\nkind = \"{kind}\"\n{motion}\n[motion.x]\n\
+        "version = 1\naccuracy = {accuracy:e}\n[motion]\nkind = \"{kind}\"\n{motion}\n[motion.{axis}]\n\
          wavelet = {{ kind = \"ricker\", frequency = 8.0, amplitude = 1.0, time = 0.5, dt = 0.01, duration = 2.0 }}\n{soil}\n{rest}\n"
     );
-    load_str(&text, "built-in scene", &[]).map_err(|d| {
-        let file = "built-in scene".into();
-        RunError::Plan(PlanError::Input(hati_inputs::InputError::RecordBroken {
-            path: file,
-            format: "scene",
-            problem: d.to_string(),
-        }))
-    })
+    load_str(&text, "built-in scene", &[]).map_err(|d| RunError::Scene(Box::new(d)))
 }
 
-/// An acceleration along x as a motion input.
-pub(super) fn along_x(acceleration: Vec<f64>, dt: f64) -> Result<MotionInput, RunError> {
-    let motion = Motion::new(dt, None, Quantity::Acceleration, [Some(acceleration), None, None])
-        .map_err(PlanError::from)?;
-    Ok(MotionInput { motion, channels: vec![], scale: None, warnings: vec![] })
-}
-
-/// Plans a scene for an acceleration along x and runs it.
+/// Plans a scene of one component for an acceleration in place of its own motion, and runs it.
 pub fn simulate(scene: &Scene, acceleration: Vec<f64>, dt: f64) -> Result<(Plan, Simulation), RunError> {
-    let plan = Plan::with_input(scene, along_x(acceleration, dt)?)?;
+    let mut components = [None, None, None];
+    components[active_axes(scene).first().copied().unwrap_or(0)] = Some(acceleration);
+    let motion = Motion::new(dt, None, Quantity::Acceleration, components).map_err(PlanError::from)?;
+    let input = MotionInput { motion, channels: vec![], scale: None, warnings: vec![] };
+    let plan = Plan::with_input(scene, input)?;
     let mut simulation = Simulation::new(&plan)?;
     simulation.run_through(&plan)?;
     Ok((plan, simulation))

@@ -4,7 +4,7 @@
 //! case takes a `twist`: 0 to verify, and in the self-check three times its limit, by which it changes
 //! one of its constants (named in the case); a case that still passes then is blind.
 
-pub mod accuracy;
+mod accuracy;
 mod fixtures;
 mod frequency;
 mod motion;
@@ -95,6 +95,7 @@ const CASES: &[Case] = &[
     Case { name: "surface-pga", long: false, run: motion::surface_pga },
     Case { name: "deconvolution", long: false, run: motion::deconvolution },
     Case { name: "accuracy", long: false, run: accuracy::accuracy },
+    Case { name: "accuracy-kinds", long: false, run: accuracy::accuracy_kinds },
     Case { name: "step-bound-million", long: true, run: stepping::step_bound_million },
 ];
 

@@ -3,28 +3,12 @@
 use super::fixtures::{THREE_LAYERS, UNIFORM, accelerogram, scene_with, simulate};
 use super::{CaseResult, Check, twist};
 use crate::closed_form::{Law, surface_ratios};
-use hati_inputs::motion::padded_length;
-use realfft::RealFftPlanner;
+use crate::spectrum::filtered;
+use hati_sem::soil::Profile;
 
 /// Motion at the surface by multiplying the spectrum with the closed form: the reference of a time loop.
-fn by_spectrum(a: &[f64], dt: f64, profile: &hati_sem::soil::Profile) -> Vec<f64> {
-    let n = padded_length(a.len(), dt, 60.0);
-    let mut planner = RealFftPlanner::new();
-    let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
-    let mut time = vec![0.0; n];
-    time[..a.len()].copy_from_slice(a);
-    let mut spectrum = forward.make_output_vec();
-    let mut fine = forward.process(&mut time, &mut spectrum).is_ok();
-    for (k, value) in spectrum.iter_mut().enumerate().skip(1) {
-        *value *= surface_ratios(profile, 0, Law::Causal, 0.0, k as f64 / (n as f64 * dt)).outcrop;
-    }
-    if let Some(last) = spectrum.last_mut() {
-        last.im = 0.0;
-    }
-    spectrum[0].im = 0.0;
-    fine &= inverse.process(&mut spectrum, &mut time).is_ok();
-    debug_assert!(fine, "buffers have the planner's own lengths");
-    time[..a.len()].iter().map(|x| x / n as f64).collect()
+fn by_spectrum(a: &[f64], dt: f64, profile: &Profile) -> Vec<f64> {
+    filtered(a, dt, 60.0, |f| surface_ratios(profile, 0, Law::Causal, 0.0, f).outcrop)
 }
 
 fn peak(a: &[f64]) -> f64 {

@@ -41,7 +41,13 @@ const MISTAKES: [(&str, &str, usize, &str, &[&str]); 5] = [
         "motion.y.file",
         &["is a folder", "expected a file"],
     ),
-    ("thickness = 5.0", "thickness = -5.0", 9, "soil.layer[1].thickness", &["above 0 m", "-5 m"]),
+    (
+        "thickness = 5.0",
+        "thickness = -5.0",
+        9,
+        "soil.layer[1].thickness",
+        &["above 0 and of at most 100000 m", "-5 m"],
+    ),
     ("vs = 150.0", "vs = 1200.0", 10, "soil.layer[1].vs", &["1200 m/s", "vp/√2 = 778 m/s", "Poisson"]),
     ("damping = 0.02", "dampin = 0.02", 13, "soil.layer[1].dampin", &["unknown key", "`damping`"]),
 ];
@@ -142,4 +148,15 @@ fn a_scene_that_is_not_there() {
     hati(folder.path(), &["run", "gone.toml", "--json"]).fails_in_json(2, &["gone.toml", "there is no file"]);
     write(folder.path(), "noise.toml", "version = = 1\n");
     hati(folder.path(), &["check", "noise.toml"]).exits(2).tells(&["noise.toml:1"]);
+}
+
+/// What the plan may choose, a scene may give: a resolved scene has to load again.
+#[test]
+fn orders_and_mechanisms_of_scene_and_solver_agree() {
+    let schema = hati_inputs::scene::schema();
+    let most = |key: &str| {
+        schema.pointer(&format!("/$defs/Discretisation/properties/{key}/maximum")).and_then(|m| m.as_u64())
+    };
+    assert_eq!(most("mechanisms"), Some(hati_sem::attenuation::MECHANISMS_MAX as u64));
+    assert_eq!(most("order"), Some(hati_sem::gll::ORDER_MAX as u64));
 }

@@ -75,6 +75,18 @@ fn commands_of_the_book_run() {
     assert!(run >= 2, "the chapter shows no command");
 }
 
+/// Every case of `verify` has a row in the chapter's table, and the rows name no other.
+#[test]
+fn the_table_of_cases_is_true() {
+    let page = std::fs::read_to_string(root().join("docs/src/verification.md")).expect("the chapter");
+    let shown: Vec<&str> = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `"))
+        .filter_map(|rest| rest.split_once('`').map(|(name, _)| name))
+        .collect();
+    assert_eq!(shown, hati::verify::names());
+}
+
 /// Every verb of the book's table is a verb.
 #[test]
 fn the_table_of_verbs_is_true() {
@@ -89,4 +101,12 @@ fn the_table_of_verbs_is_true() {
     for verb in &shown {
         hati(folder.path(), &[verb, "--help"]).exits(0);
     }
+}
+
+/// The scene reference is what the program writes.
+#[test]
+fn the_scene_reference_is_up_to_date() {
+    let page = std::fs::read_to_string(root().join("docs/src/scene-reference.md")).expect("the chapter");
+    let answer = hati(folder().path(), &["schema", "--markdown"]).exits(0);
+    assert!(page == answer.stdout, "run: target/debug/hati schema --markdown > docs/src/scene-reference.md");
 }

@@ -93,7 +93,7 @@ fn an_accuracy_out_of_reach_is_told() {
     let answer = hati(folder.path(), &arguments).exits(1);
     let warning = answer.stdout.lines().find(|l| l.contains("warning:")).expect("a warning");
     assert!(
-        warning.contains("above the accuracy asked") && warning.contains("[discretisation]"),
+        warning.contains("above the accuracy asked") && warning.contains("largest part is space"),
         "{warning}"
     );
     let plan = hati(folder.path(), &[&arguments[..], &["--json"]].concat()).exits(1).json();

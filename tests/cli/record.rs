@@ -16,7 +16,9 @@ fn a_table_for_people() {
     assert_eq!(answer.stderr, "");
     let lines: Vec<&str> = answer.stdout.lines().collect();
     assert_eq!(lines.len(), 2, "{}", answer.stdout);
-    for head in ["channel", "npts", "PGA m/s²", "PGV m/s", "PGD m", "Arias m/s", "CAV m/s", "D5-95 s"] {
+    for head in
+        ["channel", "npts", "PGA m/s²", "PGV m/s", "PGD m", "Arias m/s", "CAV m/s", "D5-95 s", "band Hz"]
+    {
         assert!(lines[0].contains(head), "{head}");
     }
     for cell in ["HATI01", "K-NET", "2000", "0.01", "1.49"] {
@@ -53,6 +55,10 @@ fn measures_for_programs() {
             let found = number(channel, &format!("/{key}"));
             assert!((found / rough - 1.0).abs() < 0.03, "{key}: {found} against {rough}");
         }
+        // The spectrum is a Gaussian about 2 Hz with exp(−(2π(f − 2))²·2) for its energy: outside 2 Hz ± x lies the
+        // share erfc(2√2 π x), which is (1e-2/2)² at x = 0.335 Hz.
+        let (f_min, f_max) = (number(channel, "/band/0"), number(channel, "/band/1"));
+        assert!((f_min - 1.665).abs() < 0.06 && (f_max - 2.335).abs() < 0.06, "{f_min} to {f_max} Hz");
         // The middle nine tenths of a Gaussian of variance 1 s² in energy: 2 · 1.645 s.
         assert!((number(channel, "/d5_95") / 3.29 - 1.0).abs() < 0.05, "{channel}");
     }

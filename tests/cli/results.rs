@@ -47,6 +47,14 @@ impl File {
         self.file.variables().filter(|v| !text(v)).map(|v| v.name()).collect()
     }
 
+    /// Whether a variable has a value for every record.
+    #[track_caller]
+    pub(crate) fn is_along_time(&self, name: &str) -> bool {
+        let variable =
+            self.file.variable(name).unwrap_or_else(|| panic!("{}: no {name}", self.path.display()));
+        variable.dimensions().first().is_some_and(|d| d.name() == "time")
+    }
+
     /// History of a station: `acceleration_x` at `place`.
     #[track_caller]
     pub(crate) fn at(&self, name: &str, place: &str) -> Vec<f64> {

@@ -34,6 +34,7 @@ fn orders_in_size_and_step_are_those_of_the_theory() {
 #[test]
 fn asked_accuracy_is_reached_and_not_overdone() {
     passes("accuracy", 9);
+    passes("accuracy-kinds", 4);
 }
 
 fn passes(case: &str, quantities: usize) {

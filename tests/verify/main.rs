@@ -27,7 +27,7 @@ fn cases_with_an_accelerogram_notice() {
 
 #[test]
 fn the_accuracy_case_notices() {
-    notices("accuracy");
+    ["accuracy", "accuracy-kinds"].into_iter().for_each(notices);
 }
 
 #[test]
@@ -43,6 +43,7 @@ fn every_short_case_stands_in_one_of_these_tests() {
         "surface-pga",
         "deconvolution",
         "accuracy",
+        "accuracy-kinds",
         "step-bound-million",
     ];
     assert_eq!(names(), listed);

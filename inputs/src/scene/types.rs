@@ -75,6 +75,22 @@ pub(super) const ACCURACY_TO: f64 = 0.3;
 pub(super) const DAMPING_TO: f64 = 0.3;
 /// Smallest quality factor, 1/(2·0.3) rounded up so that the damping stays in its range.
 pub(super) const Q_FROM: f64 = 5.0 / 3.0;
+/// Largest thickness of a layer, m.
+pub(super) const THICKNESS_TO: f64 = 1e5;
+/// Largest speed of shear waves, m/s; diamond stays below 1.3e4.
+pub(super) const VS_TO: f64 = 1e4;
+/// Largest speed of P waves, m/s.
+pub(super) const VP_TO: f64 = 2e4;
+/// Most layers of a column.
+pub(super) const LAYERS_TO: usize = 2000;
+/// Most elements of a column.
+pub(super) const ELEMENTS_TO: usize = 20_000;
+/// Smallest time step, s.
+pub(super) const DT_FROM: f64 = 1e-9;
+/// Longest free vibration, s.
+pub(super) const TAIL_TO: f64 = 3600.0;
+/// Most intervals of the wave field over the column's depth.
+pub(super) const FIELD_INTERVALS_TO: f64 = 2000.0;
 /// Poisson's ratio of a layer that gives neither `nu` nor `vp`.
 pub const DEFAULT_NU: f64 = 0.25;
 
@@ -226,8 +242,8 @@ pub struct Soil {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "Hz"))]
     pub reference_frequency: Auto<f64>,
-    /// Layers from the surface down, at least one.
-    #[schemars(extend("minItems" = 1))]
+    /// Layers from the surface down, 1 to 2000.
+    #[schemars(extend("minItems" = 1, "maxItems" = LAYERS_TO))]
     pub layer: Vec<Layer>,
     /// What the layers stand on.
     pub base: Base,
@@ -242,16 +258,16 @@ pub struct Layer {
     #[schemars(extend("x-default" = "`layer 1`, `layer 2`, …"))]
     pub name: Option<String>,
     /// Thickness.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = THICKNESS_TO, "x-unit" = "m"))]
     pub thickness: f64,
     /// Speed of shear waves at the reference frequency; at most vp/√2.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s"))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = VS_TO, "x-unit" = "m/s"))]
     pub vs: f64,
     /// Speed of P waves. Give `vp` or `nu`, not both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s", "x-default" = "from `nu`"))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = VP_TO, "x-unit" = "m/s", "x-default" = "from `nu`"))]
     pub vp: Option<f64>,
-    /// Poisson's ratio; 0.25 where neither `nu` nor `vp` is given.
+    /// Poisson's ratio; 0.25 where neither `nu` nor `vp` is given. The vp that follows is at most 20000 m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 0.5, "x-unit" = "1", "x-default" = "0.25, or from `vp`"))]
     pub nu: Option<f64>,
@@ -284,18 +300,18 @@ pub enum Base {
     /// An elastic half-space, which lets downgoing waves out: impedances ρ·vs and ρ·vp.
     Elastic {
         /// Speed of shear waves.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s"))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = VS_TO, "x-unit" = "m/s"))]
         vs: f64,
         /// Density.
         #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "kg/m³"))]
         rho: f64,
-        /// Poisson's ratio; 0.25 where neither `nu` nor `vp` is given.
+        /// Poisson's ratio; 0.25 where neither `nu` nor `vp` is given. The vp that follows is at most 20000 m/s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 0.5, "x-unit" = "1", "x-default" = "0.25, or from `vp`"))]
         nu: Option<f64>,
         /// Speed of P waves. Give `vp` or `nu`, not both.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s", "x-default" = "from `nu`"))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = VP_TO, "x-unit" = "m/s", "x-default" = "from `nu`"))]
         vp: Option<f64>,
     },
     /// A rigid base that follows the motion and reflects every wave; it takes no other key.
@@ -310,22 +326,32 @@ pub struct Discretisation {
     #[serde(default)]
     #[schemars(extend("minimum" = 1, "maximum" = 10, "x-unit" = "1"))]
     pub order: Auto<usize>,
-    /// Number of elements of each layer, from the surface down: one count of at least 1 per layer.
+    /// Number of elements of each layer, from the surface down: one count of at least 1 per layer, at most 20000 in all.
     #[serde(default)]
-    #[schemars(with = "Auto<Vec<std::num::NonZeroUsize>>")]
+    #[schemars(with = "Auto<Vec<std::num::NonZeroUsize>>", transform = limit_counts)]
     pub elements: Auto<Vec<usize>>,
     /// Time step; it has to be stable, which the plan checks.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "s"))]
+    #[schemars(extend("minimum" = DT_FROM, "x-unit" = "s"))]
     pub dt: Auto<f64>,
     /// Number of relaxation mechanisms that represent the damping over the band.
     #[serde(default)]
-    #[schemars(extend("minimum" = 1, "maximum" = 8, "x-unit" = "1"))]
+    #[schemars(extend("minimum" = 1, "maximum" = 12, "x-unit" = "1"))]
     pub mechanisms: Auto<usize>,
     /// Time of free vibration to compute after the record's end.
     #[serde(default)]
-    #[schemars(extend("minimum" = 0.0, "x-unit" = "s"))]
+    #[schemars(extend("minimum" = 0.0, "maximum" = TAIL_TO, "x-unit" = "s"))]
     pub tail: Auto<f64>,
+}
+
+/// Puts the limits of counts per layer, which stand behind the word `"auto"`, into their schema.
+fn limit_counts(schema: &mut schemars::Schema) {
+    if let Some(list) = schema.pointer_mut("/anyOf/1").and_then(serde_json::Value::as_object_mut) {
+        list.insert("maxItems".to_owned(), LAYERS_TO.into());
+        if let Some(count) = list.get_mut("items").and_then(serde_json::Value::as_object_mut) {
+            count.insert("maximum".to_owned(), ELEMENTS_TO.into());
+        }
+    }
 }
 
 /// What to write.
@@ -336,7 +362,7 @@ pub struct Output {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the surface, every layer's top and the base's top"))]
     pub stations: Option<Vec<Station>>,
-    /// Spacing of the wave field over depth; `"none"` writes no field.
+    /// Spacing of the wave field over depth, at least a 2000th of the column's depth; `"none"` writes no field.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
     pub field_spacing: FieldSpacing,

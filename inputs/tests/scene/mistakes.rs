@@ -134,11 +134,15 @@ fn single_mistakes() {
         (
             "thickness = 5\n",
             "thickness = 0\n",
-            &["20 soil.layer[1].thickness: expected a number above 0 m, found 0 m"],
+            &["20 soil.layer[1].thickness: expected a number above 0 and of at most 100000 m, found 0 m"],
         ),
         ("thickness = 5\n", "thickness = inf\n", &["20 soil.layer[1].thickness", "found inf"]),
         ("thickness = 10.0\n", "", &["25 soil.layer[2].thickness: missing"]),
-        ("vs = 150.0", "vs = 0", &["21 soil.layer[1].vs: expected a number above 0 m/s"]),
+        (
+            "vs = 150.0",
+            "vs = 0",
+            &["21 soil.layer[1].vs: expected a number above 0 and of at most 10000 m/s"],
+        ),
         ("nu = 0.3", "nu = 0.5", &["22 soil.layer[1].nu", "of at least 0 and below 0.5, found 0.5"]),
         ("nu = 0.3", "nu = -0.1", &["22 soil.layer[1].nu"]),
         ("nu = 0.3", "nu = 0.3\nvp = 400.0", &["23 soil.layer[1].vp: `nu` is given too"]),
@@ -180,9 +184,33 @@ fn single_mistakes() {
             "4",
             &["39 discretisation.elements: expected \"auto\" or a list with one count per layer"],
         ),
-        ("dt = 1e-4", "dt = 0", &["40 discretisation.dt: expected a number above 0 s"]),
-        ("mechanisms = 3", "mechanisms = 9", &["41 discretisation.mechanisms"]),
+        ("dt = 1e-4", "dt = 0", &["40 discretisation.dt: expected a number of at least 1e-9 s, found 0 s"]),
+        ("dt = 1e-4", "dt = 9e-10", &["40 discretisation.dt: expected a number of at least 1e-9 s"]),
+        ("mechanisms = 3", "mechanisms = 13", &["41 discretisation.mechanisms"]),
         ("tail = 5", "tail = -1", &["42 discretisation.tail"]),
+        ("tail = 5", "tail = 1e9", &["42 discretisation.tail", "of at most 3600 s, found 1e9 s"]),
+        ("[2, 3]", "[2, 20001]", &["39 discretisation.elements[2]: expected a whole number from 1 to 20000"]),
+        (
+            "[2, 3]",
+            "[20000, 1]",
+            &["39 discretisation.elements: 20001 elements in all are too many (limit 20000)", "higher order"],
+        ),
+        (
+            "field_spacing = 0.5",
+            "field_spacing = 0.0074",
+            &[
+                "46 output.field_spacing: 0.0074 m is below 0.0075 m, the column's depth over 2000",
+                "\"auto\"",
+            ],
+        ),
+        ("thickness = 5\n", "thickness = 100001\n", &["20 soil.layer[1].thickness", "of at most 100000 m"]),
+        ("vs = 800.0", "vs = 10001", &["34 soil.base.vs", "of at most 10000 m/s"]),
+        ("vp = 550.0", "vp = 20001", &["28 soil.layer[2].vp", "of at most 20000 m/s"]),
+        (
+            "nu = 0.3",
+            "nu = 0.4999999",
+            &["22 soil.layer[1].nu: vs = 150 m/s and nu = 0.4999999 make vp = 335400 m/s", "lower nu"],
+        ),
         (
             "depth = 12.5",
             "depth = 15.5",
@@ -235,15 +263,79 @@ fn motion_against_base() {
         &rigid.replace("kind = \"within\"", "kind = \"outcrop\""),
         &["6 motion.kind: an outcrop motion has no meaning over a rigid base", "\"within\""],
     );
-    let undamped = rigid.replace("damping = 0.02\n", "").replace("q = 25\nq_p = 50\n", "");
-    let found = warnings(&undamped);
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert!(found[0].starts_with("scene.toml:29 soil.base: warning: no layer is damped"), "{}", found[0]);
+    let undamped_rigid = rigid.replace("damping = 0.02\n", "").replace("q = 25\nq_p = 50\n", "");
+    warns_of(&undamped_rigid, "along x and y and the base is rigid: resonances grow without bound");
+    let surface = |text: &str| text.replace("kind = \"within\"", "kind = \"surface\"");
     one_error(
-        &undamped.replace("kind = \"within\"", "kind = \"surface\""),
-        &["6 motion.kind: a surface motion over a rigid base without damping"],
+        &surface(&undamped_rigid),
+        &["6 motion.kind: a surface motion over a rigid base cannot be carried down along x and y"],
     );
-    assert!(load(&rigid.replace("kind = \"within\"", "kind = \"surface\"")).is_ok());
+    assert!(warnings(&surface(&rigid)).is_empty());
+    // An elastic base takes no energy from a motion that is imposed on it, but radiates one found by deconvolution.
+    let undamped = without_damping(GOOD);
+    warns_of(&undamped, "along x and y and a within motion is imposed on the base");
+    assert!(warnings(&surface(&undamped)).is_empty());
+    assert!(warnings(&undamped.replace("kind = \"within\"", "kind = \"outcrop\"")).is_empty());
+}
+
+/// What counts is the damping of the waves that run: shear waves along x and y, P waves along z.
+#[test]
+fn damping_is_judged_by_the_active_components() {
+    let vertical = with("[motion.y]", "[motion.z]");
+    assert!(warnings(&vertical).is_empty());
+    let only_s = vertical.replace("damping = 0.02", "damping = 0.02\ndamping_p = 0.0");
+    let only_s = only_s
+        .replace("q = 25\nq_p = 50", "q = 25\ndamping_p = 0.0")
+        .replace("kind = \"elastic\"", "kind = \"rigid\"");
+    let only_s = only_s.replace("vs = 800.0\nrho = 2200.0\n", "");
+    assert!(
+        warnings(&only_s).iter().any(|w| w.contains("motion.kind: warning: no layer is damped along z and")),
+        "{:#?}",
+        warnings(&only_s)
+    );
+    one_error(&only_s.replace("kind = \"within\"", "kind = \"surface\""), &["carried down along z, where"]);
+    let only_p = without_damping(&vertical).replace("rho = 1800.0", "rho = 1800.0\ndamping_p = 0.02");
+    warns_of(&only_p, "no layer is damped along x and");
+    warns_of(&without_damping(&vertical), "no layer is damped along x and z and");
+    // A misspelt damping is one mistake.
+    let misspelt = without_damping(GOOD).replace("rho = 1800.0", "rho = 1800.0\ndampin = 0.02");
+    let found = load(&misspelt).expect_err("an unknown key");
+    assert_eq!(found.len(), 1, "{found}");
+    assert!(found.to_string().contains("did you mean `damping`?"), "{found}");
+}
+
+fn without_damping(text: &str) -> String {
+    text.replace("damping = 0.02\n", "").replace("q = 25\nq_p = 50\n", "")
+}
+
+/// Asserts that a text has one warning, about the place of its motion.
+fn warns_of(text: &str, part: &str) {
+    let found = warnings(text);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(
+        found[0].starts_with("scene.toml:6 motion.kind: warning: no layer is damped along"),
+        "{}",
+        found[0]
+    );
+    assert!(found[0].contains(part), "{part:?} is not in {:?}", found[0]);
+}
+
+/// Numbers that would fill the memory are refused where two keys make them together.
+#[test]
+fn sizes_are_bounded() {
+    let layer = "[[soil.layer]]\nthickness = 1.0\nvs = 200.0\nrho = 1800.0\n";
+    let many = |n: usize| {
+        let text = with("[soil.base]", &(layer.repeat(n) + "[soil.base]"));
+        text.replace("[2, 3]", "\"auto\"").replace("field_spacing = 0.5\n", "")
+    };
+    assert!(load(&many(1998)).is_ok());
+    one_error(&many(1999), &["soil.layer: expected at most 2000 layers, found 2001"]);
+    let fine = GOOD.replace("dt = 0.005, duration = 4.0", "dt = 1e-6, duration = 4.0");
+    assert!(errors(&fine).is_empty(), "{:?}", errors(&fine));
+    one_error(
+        &fine.replace("tail = 5", "tail = 3600"),
+        &["discretisation.tail: motion and tail are 3.604e9 samples, too many", "the wavelet's dt"],
+    );
 }
 
 #[test]

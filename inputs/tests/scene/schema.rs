@@ -30,6 +30,8 @@ fn example_scenes_load_and_fit_the_schema() {
         ("name = \"fill\"", "nam = \"fill\""),
         ("\"within\"", "\"inside\""),
         ("[2, 3]", "[2, 0]"),
+        ("[2, 3]", "[2, 20001]"),
+        ("tail = 5", "tail = 3601"),
         ("{ factor = 2.0 }", "{ factor = 2.0, pga = 1.0 }"),
         ("[0.2, 20.0]", "[0.2]"),
     ] {
@@ -131,9 +133,10 @@ fn the_reference_page_names_every_key_with_its_unit() {
         "## `[motion.x]`, `[motion.y]`, `[motion.z]`",
         "## `[motion.x.wavelet]`",
         "## `[[soil.layer]]`",
-        "| `thickness` | number, m, above 0 | required |",
+        "| `thickness` | number, m, above 0, at most 100000 | required |",
         "| `kind` | `\"elastic\"` or `\"rigid\"` | required |",
         "| `order` | `\"auto\"` or whole number, from 1 to 10 | `\"auto\"` |",
+        "| `tail` | `\"auto\"` or number, s, from 0 to 3600 |",
         "## `[[output.stations]]`",
         "`\"rigid\"`: A rigid base that follows the motion",
     ] {

@@ -249,12 +249,12 @@ impl Component {
         }
     }
 
-    /// Element with the largest own frequency $\sqrt{G_U/\rho}/h$.
-    pub(super) fn limiting_element(&self, mesh: &Mesh) -> usize {
+    /// Element with the largest own frequency, $\sqrt{G_U/\rho}/h$.
+    pub(super) fn limiting_element(&self, profile: &Profile, mesh: &Mesh) -> usize {
         let rate = |e: usize| {
-            let (b, w) = (e / WIDTH, e % WIDTH);
-            let inner = e * mesh.order() + mesh.order() / 2;
-            self.unrelaxed[b][w] * self.inverse_half_height[b][w] / self.mass[inner].max(f64::MIN_POSITIVE)
+            let element = &mesh.elements[e];
+            let stiffness = self.unrelaxed[e / WIDTH][e % WIDTH];
+            (stiffness / profile.layers[element.layer].rho).sqrt() / element.height
         };
         (0..mesh.elements.len()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).unwrap_or(0)
     }

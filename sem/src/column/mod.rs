@@ -37,7 +37,7 @@ pub enum BaseMotion {
     /// Outcrop velocity, m/s, at kicks 0, 1, 2, …: the incident wave carries half of it. Zero afterwards.
     Outcrop(Vec<f64>),
     /// Displacement of the base, m, at the kicks (within motion; the base's own motion is imposed).
-    /// Held afterwards.
+    /// Beyond the last one it goes on at its last velocity.
     Imposed(Vec<f64>),
 }
 
@@ -92,7 +92,7 @@ impl Column {
             let component = Component::new(profile, &mesh, axis, arms, dt, motion);
             let critical = critical_step(&mesh, &component)?;
             if critical < limit {
-                (limit, limiting) = (critical, component.limiting_element(&mesh));
+                (limit, limiting) = (critical, component.limiting_element(profile, &mesh));
             }
             axes.push(axis);
             components.push(component);

@@ -17,7 +17,7 @@ use crate::SemError;
 use crate::attenuation::ModulusLaw;
 use crate::gll::Gll;
 use crate::soil::Profile;
-use hati_coupling::central_difference::{acceleration_symbol, velocity_symbol};
+use hati_coupling::central_difference::{acceleration_symbol, trapezoidal_symbol, velocity_symbol};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use num_complex::Complex64;
 
@@ -31,15 +31,13 @@ pub enum TimeSymbol {
 }
 
 impl TimeSymbol {
-    /// Symbols of acceleration (real), of the dashpot's velocity and of the arms' rate.
-    fn at(self, omega: f64) -> (f64, Complex64, Complex64) {
+    /// Symbols of acceleration, of the dashpot's velocity and of the arms' rate for a motion $e^{st}$.
+    fn at(self, s: Complex64) -> (Complex64, Complex64, Complex64) {
         match self {
-            Self::Continuous => (-omega * omega, Complex64::new(0.0, omega), Complex64::new(0.0, omega)),
-            Self::CentralDifference(dt) => (
-                acceleration_symbol(omega, dt),
-                Complex64::new(0.0, velocity_symbol(omega, dt)),
-                Complex64::new(0.0, (0.5 * omega * dt).tan() * 2.0 / dt),
-            ),
+            Self::Continuous => (s * s, s, s),
+            Self::CentralDifference(dt) => {
+                (acceleration_symbol(s, dt), velocity_symbol(s, dt), trapezoidal_symbol(s, dt))
+            }
         }
     }
 }
@@ -196,8 +194,16 @@ impl FrequencyResponse {
 
     /// Response at a frequency, Hz (> 0).
     pub fn at(&self, frequency: f64) -> Transfer {
-        let omega = 2.0 * std::f64::consts::PI * frequency;
-        let (s_a, s_v, s_m) = self.symbol.at(omega);
+        self.at_growing(frequency, 0.0)
+    }
+
+    /// Response to a motion $e^{(\sigma + i\omega)t}$ that grows at the rate `sigma` ≥ 0, 1/s.
+    ///
+    /// A growth of π times a frequency spacing shows resonances as wide as that spacing: what a sampled
+    /// spectrum, or a run of finite length, can see of them.
+    pub fn at_growing(&self, frequency: f64, sigma: f64) -> Transfer {
+        let s = Complex64::new(sigma, 2.0 * std::f64::consts::PI * frequency);
+        let (s_a, s_v, s_m) = self.symbol.at(s);
         // from the surface down: the impedance of what lies above, and each element's u_top / u_bottom
         let elements: usize = self.layers.iter().map(|l| l.count).sum();
         let mut ratio = Vec::with_capacity(elements);
@@ -205,7 +211,7 @@ impl FrequencyResponse {
         let mut above = Complex64::ZERO;
         for layer in &self.layers {
             let k = layer.modulus * layer.law.factor(s_m) * (2.0 / layer.height);
-            let m = Complex64::from(s_a * layer.rho * 0.5 * layer.height);
+            let m = s_a * layer.rho * 0.5 * layer.height;
             let (diagonal, across) = self.reference.condensed(k, m);
             factors.push((k, m));
             for _ in 0..layer.count {
@@ -229,16 +235,13 @@ impl FrequencyResponse {
             }
             u
         };
-        // the base moves as the record says (exact −ω²); what the column makes of it is seen at the kicks
-        let seen = s_a / (-omega * omega);
+        // the base moves as the record says (exact s²); what the column makes of it is seen at the kicks
+        let seen = s_a / (s * s);
         let within_per_outcrop = match self.impedance {
             None => Complex64::ONE,
-            Some(z) => {
-                let outcrop_velocity = Complex64::new(0.0, omega).inv();
-                s_a * z * outcrop_velocity / (above + z * s_v)
-            }
+            Some(z) => s_a * z / (s * (above + z * s_v)),
         };
-        let scale = if self.impedance.is_none() { seen } else { 1.0 };
+        let scale = if self.impedance.is_none() { seen } else { Complex64::ONE };
         Transfer { per_within: self.probes.iter().map(|p| scale * motion(p)).collect(), within_per_outcrop }
     }
 }

@@ -7,6 +7,7 @@ mod soil;
 
 pub(super) use reader::Checker;
 
+use super::diagnostic::listed;
 use super::document::{Table, Value};
 use super::load::Source;
 use super::types::{ACCURACY_ABOVE, ACCURACY_TO, MotionKind, Scene, default_accuracy, default_title};
@@ -26,7 +27,7 @@ pub(super) fn scene(cx: &mut Checker<'_>, root: &Table) -> Option<Scene> {
     let accuracy = accuracy(cx, &mut top);
     let motion = motion::read(cx, &mut top);
     let soil = soil::read(cx, &mut top);
-    let discretisation = output::discretisation(cx, &mut top, soil.layer_count);
+    let discretisation = output::discretisation(cx, &mut top, soil.layer_count, motion.synthetic);
     let output = output::output(cx, &mut top, soil.depth);
     kind_against_base(cx, &motion, &soil);
     cx.finish(&top);
@@ -62,28 +63,47 @@ fn accuracy(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Option<f64> {
     }
 }
 
-/// What the place of the motion demands of the base.
+/// What the place of the motion demands of the base and of the layers' damping.
+///
+/// A `within` motion is the motion of the column's base, whatever lies below, and over a rigid base every motion is: such
+/// a column loses energy in its layers only. Along x and y shear waves run, along z P waves.
 fn kind_against_base(cx: &mut Checker<'_>, motion: &motion::Read, soil: &soil::Read) {
-    let (Some((kind, place)), Some(true)) = (&motion.kind, soil.rigid) else {
-        return;
-    };
+    let Some((kind, place)) = &motion.kind else { return };
+    let rigid = soil.rigid == Some(true);
+    let lossless: Vec<&str> = (["x", "y", "z"].into_iter().zip(motion.given).zip([0, 0, 1]))
+        .filter(|((_, given), wave)| *given && soil.undamped[*wave] == Some(true))
+        .map(|((axis, _), _)| axis)
+        .collect();
+    let axes = listed(&lossless, "").replace(" or ", " and ");
     match kind {
-        MotionKind::Outcrop => cx.error(
+        MotionKind::Outcrop if rigid => cx.error(
             place.clone(),
             "an outcrop motion has no meaning over a rigid base: nothing radiates into it",
             "use kind = \"within\", or give the base as elastic with vs and rho",
         ),
-        MotionKind::Surface if soil.undamped == Some(true) => cx.error(
+        MotionKind::Surface if rigid && !lossless.is_empty() => cx.error(
             place.clone(),
-            "a surface motion over a rigid base without damping cannot be carried down: at each resonance of the \
-             column the surface moves without its base",
+            format!(
+                "a surface motion over a rigid base cannot be carried down along {axes}, where no layer is damped: at \
+                 each resonance of the column the surface moves without its base"
+            ),
             "give the layers damping, or the base as elastic with vs and rho",
         ),
-        MotionKind::Within if soil.undamped == Some(true) => cx.warn(
-            soil.base_place.clone().unwrap_or_else(|| place.clone()),
-            "no layer is damped and the base is rigid: resonances grow without bound as long as the motion lasts",
-            "give the layers damping, or the base as elastic with vs and rho",
-        ),
-        MotionKind::Surface | MotionKind::Within => {}
+        MotionKind::Within if !lossless.is_empty() => {
+            let why = if rigid {
+                "the base is rigid"
+            } else {
+                "a within motion is imposed on the base, through which then nothing is lost"
+            };
+            cx.warn(
+                place.clone(),
+                format!(
+                    "no layer is damped along {axes} and {why}: resonances grow without bound as long as the motion \
+                     lasts"
+                ),
+                "give the layers damping, or use kind = \"outcrop\" over an elastic base",
+            );
+        }
+        _ => {}
     }
 }

@@ -13,13 +13,17 @@ use super::super::wavelet::{Wavelet, WaveletKind};
 use super::reader::{Bounds, Checker, Place, Section};
 
 /// Most samples of a wavelet: a day at 100 Hz.
-const MAX_SAMPLES: f64 = 1e7;
+pub(super) const MAX_SAMPLES: f64 = 1e7;
 
 /// The section, and what other sections are checked against.
 #[derive(Default)]
 pub(super) struct Read {
     pub(super) motion: Option<Motion>,
     pub(super) kind: Option<(MotionKind, Place)>,
+    /// Components x, y, z that are written, rightly or wrongly.
+    pub(super) given: [bool; 3],
+    /// Step and length of the synthetic motions, s.
+    pub(super) synthetic: Option<(f64, f64)>,
 }
 
 /// A component that could be read, with its place.
@@ -66,6 +70,10 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
         band_of_wavelets(cx, band, [&x, &y, &z], s.at("band"));
     }
     cx.finish(s);
+    let synthetic = [&x, &y, &z].into_iter().flatten().find_map(|(component, _)| match component {
+        Component::Synthetic(Synthetic { wavelet }) => Some((wavelet.dt, wavelet.duration)),
+        Component::Record(_) => None,
+    });
     let complete = [&x, &y, &z].iter().zip(given).all(|(c, given)| c.is_some() == given);
     let place = s.at("kind");
     let motion = match (kind, quantity, scale, band, offset) {
@@ -81,7 +89,7 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
         }),
         _ => None,
     };
-    Read { motion, kind: kind.map(|k| (k, place)) }
+    Read { motion, kind: kind.map(|k| (k, place)), given, synthetic }
 }
 
 fn scale(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Scale> {

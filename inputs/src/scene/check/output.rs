@@ -2,16 +2,17 @@
 
 use super::super::diagnostic::{plain, rounded};
 use super::super::document::{Node, Value};
-use super::super::types::{Auto, Discretisation, FieldSpacing, Output, Station};
+use super::super::types::{
+    Auto, DT_FROM, Discretisation, ELEMENTS_TO, FIELD_INTERVALS_TO, FieldSpacing, Output, Station, TAIL_TO,
+};
+use super::motion::MAX_SAMPLES;
 use super::reader::{Bounds, Checker, Place, Section};
-
-/// Most elements of one layer; a column of more would not be one-dimensional site response.
-const MAX_ELEMENTS: usize = 1_000_000;
 
 pub(super) fn discretisation(
     cx: &mut Checker<'_>,
     top: &mut Section<'_>,
     layer_count: Option<usize>,
+    synthetic: Option<(f64, f64)>,
 ) -> Option<Discretisation> {
     if top.get("discretisation").is_none() {
         return Some(Discretisation::default());
@@ -20,9 +21,16 @@ pub(super) fn discretisation(
     let s = &mut section;
     let order = cx.auto_whole(s, "order", 1, 10);
     let elements = elements(cx, s, layer_count);
-    let dt = cx.auto_number(s, "dt", &Bounds::positive("s"));
-    let mechanisms = cx.auto_whole(s, "mechanisms", 1, 8);
-    let tail = cx.auto_number(s, "tail", &Bounds::at_least(0.0, "s"));
+    let dt = cx.auto_number(s, "dt", &Bounds::at_least(DT_FROM, "s"));
+    let mechanisms = cx.auto_whole(s, "mechanisms", 1, 12);
+    let tail = cx.auto_number(s, "tail", &Bounds::between(0.0, TAIL_TO, "s"));
+    if let (Some(Auto::Value(tail)), Some((dt, duration))) = (tail, synthetic)
+        && (duration + tail) / dt > MAX_SAMPLES
+    {
+        let samples = rounded((duration + tail) / dt);
+        let message = format!("motion and tail are {samples} samples, too many (limit {MAX_SAMPLES:e})");
+        cx.error(s.at("tail"), message, "shorten the tail, or raise the wavelet's dt");
+    }
     cx.finish(s);
     Some(Discretisation { order: order?, elements: elements?, dt: dt?, mechanisms: mechanisms?, tail: tail? })
 }
@@ -43,7 +51,7 @@ fn elements(
             .enumerate()
             .map(|(i, n)| {
                 let place = Place { path: format!("{}[{}]", place.path, i + 1), at: n.at };
-                cx.whole_of(n, place, 1, MAX_ELEMENTS)
+                cx.whole_of(n, place, 1, ELEMENTS_TO)
             })
             .collect();
         if let Some(layers) = layer_count.filter(|n| *n != list.len()) {
@@ -51,7 +59,15 @@ fn elements(
             cx.error(place, message, "count the layers from the surface down; the base has no elements");
             return None;
         }
-        counts.into_iter().collect()
+        let counts: Vec<usize> = counts.into_iter().collect::<Option<_>>()?;
+        // Each count is below the limit and there are not too many of them: the sum cannot overflow.
+        let sum: usize = counts.iter().sum();
+        if sum > ELEMENTS_TO {
+            let message = format!("{sum} elements in all are too many (limit {ELEMENTS_TO})");
+            cx.error(place, message, "give fewer per layer, or a higher order with fewer elements");
+            return None;
+        }
+        Some(counts)
     })
 }
 
@@ -67,13 +83,18 @@ pub(super) fn output(cx: &mut Checker<'_>, top: &mut Section<'_>, depth: Option<
     };
     let field_spacing = match s.get("field_spacing") {
         None => Some(FieldSpacing::default()),
-        Some(node) => field_spacing(cx, node, s.at("field_spacing")),
+        Some(node) => field_spacing(cx, node, s.at("field_spacing"), depth),
     };
     cx.finish(s);
     Some(Output { stations: stations?, field_spacing: field_spacing? })
 }
 
-fn field_spacing(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<FieldSpacing> {
+fn field_spacing(
+    cx: &mut Checker<'_>,
+    node: &Node,
+    place: Place,
+    depth: Option<f64>,
+) -> Option<FieldSpacing> {
     match &node.value {
         Value::String(s) if s == "auto" => Some(FieldSpacing::Auto),
         Value::String(s) if s == "none" => Some(FieldSpacing::None),
@@ -81,7 +102,26 @@ fn field_spacing(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Fiel
             cx.unknown_word(place, s, &["auto", "none"], "a number of metres");
             None
         }
-        _ => cx.number_of(node, place, &Bounds::positive("m")).map(FieldSpacing::Metres),
+        _ => {
+            let spacing = cx.number_of(node, place.clone(), &Bounds::positive("m"))?;
+            let least = depth.map_or(0.0, |d| d / FIELD_INTERVALS_TO);
+            // The sum of the thicknesses carries round-off that its author does not see.
+            if spacing < least * (1.0 - 1e-9) {
+                let message = format!(
+                    "{} m is below {} m, the column's depth over {}",
+                    plain(spacing),
+                    rounded(least),
+                    plain(FIELD_INTERVALS_TO)
+                );
+                cx.error(
+                    place,
+                    message,
+                    "raise it, or leave it to \"auto\"; stations give the motion at single depths",
+                );
+                return None;
+            }
+            Some(FieldSpacing::Metres(spacing))
+        }
     }
 }
 

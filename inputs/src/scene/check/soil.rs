@@ -2,7 +2,9 @@
 
 use super::super::diagnostic::{listed, plain, rounded};
 use super::super::document::{Node, Value};
-use super::super::types::{Base, DAMPING_TO, Layer, Q_FROM, Soil};
+use super::super::types::{
+    Base, DAMPING_TO, DEFAULT_NU, LAYERS_TO, Layer, Q_FROM, Soil, THICKNESS_TO, VP_TO, VS_TO,
+};
 use super::super::values::{nu_from_speeds, vp_from_nu};
 use super::reader::{Bounds, Checker, Place, Section};
 
@@ -16,14 +18,16 @@ pub(super) struct Read {
     pub(super) depth: Option<f64>,
     /// Whether the base is rigid.
     pub(super) rigid: Option<bool>,
-    /// Whether no layer has damping of shear waves.
-    pub(super) undamped: Option<bool>,
-    pub(super) base_place: Option<Place>,
+    /// Whether no layer has damping of shear waves, and whether none has damping of P waves.
+    pub(super) undamped: [Option<bool>; 2],
 }
 
 const NU: Bounds = Bounds { below: Some(0.5), ..Bounds::at_least(0.0, "") };
 const DAMPING: Bounds = Bounds::between(0.0, DAMPING_TO, "");
 const Q: Bounds = Bounds::at_least(Q_FROM, "");
+const VS: Bounds = Bounds { to: Some(VS_TO), ..Bounds::positive("m/s") };
+const VP: Bounds = Bounds { to: Some(VP_TO), ..Bounds::positive("m/s") };
+const THICKNESS: Bounds = Bounds { to: Some(THICKNESS_TO), ..Bounds::positive("m") };
 
 pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     if top.get("soil").is_none() {
@@ -48,7 +52,7 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
             .collect();
         read.layer_count = Some(all.len());
         read.depth = all.iter().map(|l| l.thickness).sum();
-        read.undamped = undamped(&all);
+        read.undamped = [0, 1].map(|wave| undamped(&all, wave));
         layers = all.into_iter().map(|l| l.layer).collect::<Option<Vec<Layer>>>();
     }
     let base = base(cx, s, &mut read);
@@ -62,15 +66,16 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     read
 }
 
-/// Whether no layer is damped; `None` where a layer's damping could not be read and none of the others has any.
-fn undamped(layers: &[LayerRead]) -> Option<bool> {
-    if layers.iter().any(|l| l.damped == Some(true)) {
+/// Whether no layer damps shear waves (`wave` 0) or P waves (1); `None` where a layer's damping could not be read and
+/// none of the others has any.
+fn undamped(layers: &[LayerRead], wave: usize) -> Option<bool> {
+    if layers.iter().any(|l| l.damped[wave] == Some(true)) {
         return Some(false);
     }
-    layers.iter().all(|l| l.damped.is_some()).then_some(true)
+    layers.iter().all(|l| l.damped[wave].is_some()).then_some(true)
 }
 
-/// The entries of `[[soil.layer]]`; at least one.
+/// The entries of `[[soil.layer]]`; at least one, and no more than a column may have.
 fn layer_nodes<'n>(cx: &mut Checker<'_>, s: &mut Section<'n>) -> Option<&'n [Node]> {
     let help = "write [[soil.layer]] with thickness, vs and rho for each layer, from the surface down";
     let Some(node) = s.get("layer") else {
@@ -80,6 +85,11 @@ fn layer_nodes<'n>(cx: &mut Checker<'_>, s: &mut Section<'n>) -> Option<&'n [Nod
     match &node.value {
         Value::List(list) if list.is_empty() => {
             cx.error(s.at("layer"), "there is no layer", help);
+            None
+        }
+        Value::List(list) if list.len() > LAYERS_TO => {
+            let message = format!("expected at most {LAYERS_TO} layers, found {}", list.len());
+            cx.error(s.at("layer"), message, "join thin layers of one kind");
             None
         }
         Value::List(list) => Some(list),
@@ -100,7 +110,8 @@ fn layer_nodes<'n>(cx: &mut Checker<'_>, s: &mut Section<'n>) -> Option<&'n [Nod
 struct LayerRead {
     layer: Option<Layer>,
     thickness: Option<f64>,
-    damped: Option<bool>,
+    /// Whether it damps shear waves and P waves; `None` where that could not be read.
+    damped: [Option<bool>; 2],
 }
 
 fn layer(cx: &mut Checker<'_>, node: &Node, place: Place) -> LayerRead {
@@ -115,19 +126,28 @@ fn layer(cx: &mut Checker<'_>, node: &Node, place: Place) -> LayerRead {
         None => Some(None),
         Some(_) => cx.text(s, "name").map(Some),
     };
-    let thickness = cx.required_number(s, "thickness", &Bounds::positive("m"));
+    let thickness = cx.required_number(s, "thickness", &THICKNESS);
     let medium = medium(cx, s);
     let (damping, q) = loss(cx, s, "damping", "q");
     let (damping_p, q_p) = loss(cx, s, "damping_p", "q_p");
     let ratio = |d: Option<f64>, q: Option<f64>| d.or(q.map(|q| 0.5 / q));
     let readable = (!s.has("damping") || damping.is_some()) && (!s.has("q") || q.is_some());
-    let damped = readable.then(|| ratio(damping, q).is_some_and(|d| d > 0.0));
+    let readable_p = (!s.has("damping_p") || damping_p.is_some()) && (!s.has("q_p") || q_p.is_some());
     if let (Some(m), Some(d), Some(d_p)) = (&medium, ratio(damping, q), ratio(damping_p, q_p)) {
         volume_damping(cx, s, m, d, d_p);
     }
-    let complete =
-        readable && (!s.has("damping_p") || damping_p.is_some()) && (!s.has("q_p") || q_p.is_some());
+    let complete = readable && readable_p;
+    let before = cx.found.len();
     cx.finish(s);
+    // A key that nobody knows may be a misspelt damping.
+    let spelt = cx.found.len() == before;
+    let some = |known: bool, d: Option<f64>| match d {
+        Some(d) if d > 0.0 => Some(true),
+        _ => (known && spelt).then_some(false),
+    };
+    let shear = some(readable, ratio(damping, q));
+    let own = ratio(damping_p, q_p);
+    let damped = [shear, if own.is_none() && readable_p { shear } else { some(readable_p, own) }];
     let layer = match (name, thickness, medium) {
         (Some(name), Some(thickness), Some(m)) if complete => Some(Layer {
             name,
@@ -155,14 +175,16 @@ struct Medium {
 }
 
 fn medium(cx: &mut Checker<'_>, s: &mut Section<'_>) -> Option<Medium> {
-    let vs = cx.required_number(s, "vs", &Bounds::positive("m/s"));
+    let vs = cx.required_number(s, "vs", &VS);
     let rho = cx.required_number(s, "rho", &Bounds::positive("kg/m³"));
-    let vp = cx.number(s, "vp", &Bounds::positive("m/s"));
+    let vp = cx.number(s, "vp", &VP);
     let nu = cx.number(s, "nu", &NU);
     let one = cx.only_one(s, "vp", "nu", "the other follows from vs");
     let mut consistent = true;
     if let (Some(vs), Some(vp)) = (vs, vp) {
         consistent = speeds(cx, s, vs, vp);
+    } else if let (Some(vs), false) = (vs, s.has("vp")) {
+        consistent = speed_from_nu(cx, s, vs, nu.unwrap_or(DEFAULT_NU));
     }
     if let Some(vs) = vs.filter(|v| !(10.0..=6000.0).contains(v)) {
         let message = format!("{} m/s is unusual for shear waves in the ground", plain(vs));
@@ -199,6 +221,24 @@ fn speeds(cx: &mut Checker<'_>, s: &Section<'_>, vs: f64, vp: f64) -> bool {
     false
 }
 
+/// Whether the speed of P waves that follows from Poisson's ratio is one that may be given.
+fn speed_from_nu(cx: &mut Checker<'_>, s: &Section<'_>, vs: f64, nu: f64) -> bool {
+    let vp = vp_from_nu(vs, nu);
+    if vp <= VP_TO {
+        return true;
+    }
+    let key = if s.has("nu") { "nu" } else { "vs" };
+    let message = format!(
+        "vs = {} m/s and nu = {} make vp = {} m/s, which is above {} m/s",
+        plain(vs),
+        plain(nu),
+        rounded(vp),
+        plain(VP_TO)
+    );
+    cx.error(s.at(key), message, "lower nu, or give vp instead of it");
+    false
+}
+
 /// One of a damping ratio and a quality factor.
 fn loss(
     cx: &mut Checker<'_>,
@@ -224,7 +264,7 @@ fn loss(
 /// With M = K + 4G/3, the loss of the bulk modulus is Im K = 2 M D_p − (4/3)·2 G D_s, negative below
 /// D_p = (4/3)(vs/vp)² D_s.
 fn volume_damping(cx: &mut Checker<'_>, s: &Section<'_>, m: &Medium, d: f64, d_p: f64) {
-    let vp = m.vp.unwrap_or_else(|| vp_from_nu(m.vs, m.nu.unwrap_or(super::super::types::DEFAULT_NU)));
+    let vp = m.vp.unwrap_or_else(|| vp_from_nu(m.vs, m.nu.unwrap_or(DEFAULT_NU)));
     let least = 4.0 / 3.0 * (m.vs / vp).powi(2) * d;
     if d_p < least * (1.0 - 1e-9) {
         let key = if s.has("q_p") { "q_p" } else { "damping_p" };
@@ -250,7 +290,6 @@ fn base(cx: &mut Checker<'_>, soil: &mut Section<'_>, read: &mut Read) -> Option
     }
     let mut section = cx.table(soil, "base")?;
     let s = &mut section;
-    read.base_place = Some(s.place.clone());
     let kind = match s.get("kind").map(|n| &n.value) {
         None => {
             let help = format!("give `kind` as {}", listed(&KINDS, "\""));

@@ -1,0 +1,94 @@
+use hati_inputs::InputError;
+use hati_sem::SemError;
+
+/// What keeps a scene from being planned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// From the motion.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// From the column.
+    #[error(transparent)]
+    Sem(#[from] SemError),
+    /// From the step.
+    #[error(transparent)]
+    Coupling(#[from] hati_coupling::CouplingError),
+    /// The given step is too long.
+    #[error(
+        "discretisation.dt = {dt:.4e} s is unstable: the critical step is {dt_critical:.4e} s, bounded by layer `{layer}` (element of {height:.3} m at {top:.2} m depth)\n  help: give dt ≤ {safe:.3e} s, or leave it to \"auto\""
+    )]
+    UnstableStep {
+        /// Step that results from the scene, s.
+        dt: f64,
+        /// Critical step, s.
+        dt_critical: f64,
+        /// Layer that bounds it.
+        layer: String,
+        /// Element's height, m.
+        height: f64,
+        /// Depth of its top, m.
+        top: f64,
+        /// A step with margin, s.
+        safe: f64,
+    },
+    /// The band holds no energy or no frequency.
+    #[error(
+        "motion.band = {f_min:.4}–{f_max:.4} Hz holds nothing of the motion: {why}\n  help: give motion.band = [f_min, f_max] inside 0–{nyquist} Hz, or \"auto\""
+    )]
+    Band {
+        /// Lower end, Hz.
+        f_min: f64,
+        /// Upper end, Hz.
+        f_max: f64,
+        /// Nyquist frequency of the motion, Hz.
+        nyquist: f64,
+        /// What is wrong.
+        why: String,
+    },
+    /// More points than a column should have.
+    #[error(
+        "a column of {points} points is above the limit of {limit}: layer `{layer}` takes {elements} elements for {f_max:.3} Hz\n  help: make the layer thinner or motion.band narrower, or give fewer discretisation.elements"
+    )]
+    TooManyPoints {
+        /// Points needed.
+        points: usize,
+        /// The limit.
+        limit: usize,
+        /// Layer with most elements.
+        layer: String,
+        /// Its elements.
+        elements: usize,
+        /// Upper end of the band, Hz.
+        f_max: f64,
+    },
+    /// The run does not fit into memory.
+    #[error(
+        "the run needs about {needed_mb:.0} MB of memory, and {available_mb:.0} MB are free: {steps} steps, {points} points, {samples} samples\n  help: shorten the motion, give fewer stations or a wider output.field_spacing, or ask for less accuracy"
+    )]
+    Memory {
+        /// Need, MB.
+        needed_mb: f64,
+        /// Free, MB.
+        available_mb: f64,
+        /// Solver steps.
+        steps: usize,
+        /// Points.
+        points: usize,
+        /// Samples.
+        samples: usize,
+    },
+    /// Deconvolution would return nothing but round-off.
+    #[error(
+        "motion.kind = \"surface\": the column passes only 1/{amplification:.1e} of the base's motion at some frequency of the band, so the motion at depth cannot be found from the surface's\n  help: end motion.band below {f_safe:.2} Hz, or reduce damping or depth"
+    )]
+    Deconvolution {
+        /// Largest amplification in the band.
+        amplification: f64,
+        /// Frequency below which it stays under 1e3, Hz.
+        f_safe: f64,
+    },
+    /// The search had nothing to choose from.
+    #[error("no discretisation could be formed: check discretisation.order and discretisation.elements")]
+    NoCandidate,
+}
