@@ -46,19 +46,19 @@ pub enum PlanError {
         /// What is wrong.
         why: String,
     },
-    /// More points than a column should have.
+    /// More elements than a column should have.
     #[error(
-        "a column of {points} points is above the limit of {limit}: layer `{layer}` takes {elements} elements for {f_max:.3} Hz\n  help: make the layer thinner or motion.band narrower, or give fewer discretisation.elements"
+        "a column of {elements} elements is above the limit of {limit}: layer `{layer}` takes {in_layer} of them for {f_max:.3} Hz\n  help: make the layer thinner or motion.band narrower, or give fewer discretisation.elements"
     )]
-    TooManyPoints {
-        /// Points needed.
-        points: usize,
+    TooManyElements {
+        /// Elements needed.
+        elements: usize,
         /// The limit.
         limit: usize,
         /// Layer with most elements.
         layer: String,
         /// Its elements.
-        elements: usize,
+        in_layer: usize,
         /// Upper end of the band, Hz.
         f_max: f64,
     },

@@ -38,7 +38,7 @@ impl Plan {
         notes.add("discretisation.dt", format!("{:.6e} s", self.dt()), d.dt.is_auto(), by(
             d.dt.is_auto(),
             format!(
-                "{} steps per sample; critical step {:.4e} s, bounded by layer `{layer}` ({:.3} m elements); time error {time:.1e}",
+                "steps per sample: {}; critical step {:.4e} s, bounded by layer `{layer}` ({:.3} m elements); time error {time:.1e}",
                 self.substeps, self.dt_critical, self.limiting.height
             ),
         ), json!(self.dt()));

@@ -100,8 +100,8 @@ pub struct Sizer<'a> {
     pub samples: usize,
 }
 
-/// Most points of a column.
-const POINTS_LIMIT: usize = 400_000;
+/// Most elements of a column, as many as a scene may give.
+const ELEMENTS_LIMIT: usize = 20_000;
 
 /// Points beyond which no finer mesh is tried.
 const POINTS_MAX: usize = 20_000;
@@ -189,25 +189,24 @@ impl Sizer<'_> {
 
     /// A mesh on which the space error is below 1e-9 over the band: order 10, an element per wavelength.
     ///
-    /// Error: more than [`POINTS_LIMIT`] points; the layer with most elements is named.
+    /// Error: more than [`ELEMENTS_LIMIT`] elements; the layer with most elements is named.
     pub fn converged_mesh(&self) -> Result<Discretisation, PlanError> {
         let mesh = Discretisation { order: ORDER_MAX, elements: self.elements(1.0) };
-        self.check_points(&mesh)?;
+        self.check_elements(&mesh)?;
         Ok(mesh)
     }
 
-    fn check_points(&self, mesh: &Discretisation) -> Result<(), PlanError> {
-        let points = mesh.elements.iter().sum::<usize>() * mesh.order + 1;
-        if points <= POINTS_LIMIT {
+    fn check_elements(&self, mesh: &Discretisation) -> Result<(), PlanError> {
+        let elements = mesh.elements.iter().sum::<usize>();
+        if elements <= ELEMENTS_LIMIT {
             return Ok(());
         }
         let layer = (0..mesh.elements.len()).max_by_key(|&i| mesh.elements[i]).unwrap_or(0);
-        let l = &self.profile.layers[layer];
-        Err(PlanError::TooManyPoints {
-            points,
-            limit: POINTS_LIMIT,
-            layer: l.name.clone(),
-            elements: mesh.elements[layer],
+        Err(PlanError::TooManyElements {
+            elements,
+            limit: ELEMENTS_LIMIT,
+            layer: self.profile.layers[layer].name.clone(),
+            in_layer: mesh.elements[layer],
             f_max: self.band.1,
         })
     }
@@ -382,7 +381,7 @@ impl Sizer<'_> {
                 }
                 before = Some(elements.clone());
                 let discretisation = Discretisation { order, elements };
-                self.check_points(&discretisation)?;
+                self.check_elements(&discretisation)?;
                 let difference = subtract(self.responses(&discretisation, None, TimeSymbol::Continuous)?);
                 let error = self.error(&[(&difference, 1.0)], reference);
                 let finest = discretisation.elements.iter().sum::<usize>() * order > POINTS_MAX;
