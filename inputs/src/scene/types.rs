@@ -238,7 +238,8 @@ pub struct Synthetic {
 #[serde(deny_unknown_fields)]
 pub struct Soil {
     /// Frequency at which the layers' speeds hold; the causal damping law stiffens above it and softens below.
-    /// `"auto"` takes the geometric mean of the band.
+    /// `"auto"` takes the geometric mean of the given
+    /// band, or of the band that accuracy 1e-2 would take.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "Hz"))]
     pub reference_frequency: Auto<f64>,
