@@ -6,7 +6,8 @@
 //!                        records ─► motion_input ─┘      verify, chart: what the result is worth
 //! ```
 //!
-//! - [`motion_input`]: the scene's motion, read, offset, converted, scaled;
+//! - [`motion_input`]: the scene's motion, read, processed, converted;
+//! - [`record`]: records by themselves: what was found, done and measured, the motion as files;
 //! - [`plan`]: every size with its reason and the predicted error;
 //! - [`run`]: the time loop and the run folder;
 //! - [`outputs`], [`report`]: NetCDF files and the page; [`results`]: what they are made from;
@@ -20,6 +21,7 @@ pub mod measured;
 pub mod motion_input;
 pub mod outputs;
 pub mod plan;
+pub mod record;
 pub mod report;
 pub mod results;
 pub mod run;

@@ -1,13 +1,13 @@
-//! From the scene's `[motion]` to an acceleration in SI: read, offset, quantity, scale.
+//! From the scene's `[motion]` to an acceleration in SI: read, joined with wavelets, processed.
 
 use crate::results::AXES;
-use hati_inputs::motion::{Motion, Offset, Quantity, Step};
+use hati_inputs::motion::{Motion, Process, Quantity, Scaling, Step};
 use hati_inputs::records::{self, Channel, ReadOptions};
 use hati_inputs::scene::{self, Component, Scene};
 use hati_inputs::{InputError, measures::Measures};
 use serde_json::{Value, json};
 
-/// The scene's motion as an acceleration, offset removed and scaled, not yet limited to a band.
+/// The scene's motion as an acceleration, processed as the scene says, not yet limited to a band.
 #[derive(Debug, Clone)]
 pub struct MotionInput {
     /// Acceleration, m/s², with every step recorded.
@@ -26,102 +26,107 @@ pub fn active_axes(scene: &Scene) -> Vec<usize> {
 }
 
 impl MotionInput {
-    /// Reads all components. Python is started once, and only if a component is a file.
+    /// Reads all components and processes them. Python is started once, and only if a component is a file.
     pub fn read(scene: &Scene) -> Result<Self, InputError> {
-        let quantity = scene.motion.quantity;
-        let mut channels: [Option<Channel>; 3] = [None, None, None];
-        let mut described = vec![];
-        let mut files = vec![];
-        for axis in 0..3 {
-            if let Some(Component::Record(r)) = scene.components()[axis] {
-                let location = scene.record_path(r);
-                files.push((axis, records::Source { location, unit: r.unit, channel: r.channel.clone() }));
-            }
-        }
-        let sources: Vec<records::Source> = files.iter().map(|(_, s)| s.clone()).collect();
-        let options = ReadOptions { quantity: Some(quantity), ..ReadOptions::default() };
-        let read = if sources.is_empty() { vec![] } else { records::read_many(&sources, &options)? };
-        for ((axis, source), found) in files.into_iter().zip(read) {
-            channels[axis] = Some(pick(found, &source, axis)?);
-        }
-        for axis in 0..3 {
-            if let Some(c) = &channels[axis] {
-                described.push(describe(axis, c));
-            }
-        }
-        let recorded = channels.iter().any(Option::is_some);
-        let mut motion = if recorded {
-            let mut motion =
-                Motion::from_channels([channels[0].as_ref(), channels[1].as_ref(), channels[2].as_ref()])?;
-            // a wavelet has no instrument's offset: it joins afterwards
-            match scene.motion.offset {
-                scene::Offset::Mean => motion.remove_offset(Offset::Mean)?,
-                scene::Offset::First { first_seconds } => {
-                    motion.remove_offset(Offset::FirstSeconds(first_seconds))?;
-                }
-                scene::Offset::None => {}
-            }
+        let channels = recorded(scene)?;
+        let mut described: Vec<Value> =
+            (0..3).filter_map(|axis| Some(describe(axis, channels[axis].as_ref()?))).collect();
+        let motion = if channels.iter().any(Option::is_some) {
+            let motion = Motion::from_channels(channels.each_ref().map(Option::as_ref))?;
             with_wavelets(scene, motion, &mut described)?
         } else {
-            from_wavelets(scene, quantity, &mut described)?
+            from_wavelets(scene, scene.motion.quantity, &mut described)?
         };
-        to_acceleration(&mut motion);
         let mut input = Self { motion, channels: described, scale: None, warnings: vec![] };
-        input.scale(scene)?;
-        input.warn();
+        input.process(&scene.motion.process, channels.map(|channel| channel.is_some()))?;
         Ok(input)
     }
 
-    fn scale(&mut self, scene: &Scene) -> Result<(), InputError> {
-        self.scale = match scene.motion.scale {
-            None => None,
-            Some(scene::Scale::Factor(factor)) => {
-                self.motion.scale(factor)?;
-                Some((factor, "factor given by the scene".into()))
+    /// Does the scene's steps; `recorded`: the components that come from files.
+    fn process(&mut self, steps: &[Process], mut recorded: [bool; 3]) -> Result<(), InputError> {
+        let motion = &mut self.motion;
+        for (i, step) in steps.iter().enumerate() {
+            let refused = |source| InputError::InProcess { number: i + 1, source: Box::new(source) };
+            if step.mends_an_instrument() {
+                on_records(step, motion, recorded).map_err(refused)?;
+                continue;
             }
-            Some(scene::Scale::Pga(pga)) => {
-                let factor = self.motion.scale_to_peak(pga)?;
-                Some((
-                    factor,
-                    format!("to a peak of {pga} m/s² in the largest component, before the band is applied"),
-                ))
+            step.apply(motion).map_err(refused)?;
+            match step {
+                Process::Scale(scaling) => {
+                    let factor = motion.steps.last().and_then(|step| step.found.get("factor")?.as_f64());
+                    let (before, said) = self.scale.take().unwrap_or((1.0, String::new()));
+                    let and = if said.is_empty() { "" } else { ", then " };
+                    let why = format!("{said}{and}{}", scaled(scaling));
+                    self.scale = Some((before * factor.unwrap_or(1.0), why));
+                }
+                // A turned axis holds a share of both.
+                Process::Rotate { .. } => {
+                    let [x, y, z] = recorded;
+                    recorded = [x || y, x || y, z];
+                }
+                _ => {}
             }
-        };
+        }
+        if motion.quantity != Quantity::Acceleration {
+            Process::Convert { to: Quantity::Acceleration }.apply(motion)?;
+        }
+        self.warnings = motion.steps.iter().filter_map(Step::warning).collect();
         Ok(())
-    }
-
-    fn warn(&mut self) {
-        for step in &self.motion.steps {
-            let gravity = step.parameters.get("z").and_then(|z| z.get("gravity_g"));
-            if gravity.is_some() {
-                self.warnings
-                    .push("the vertical channel carried gravity; it was removed with the offset".into());
-            }
-        }
-        if let Some((factor, _)) = self.scale
-            && (factor.abs() > 10.0 || factor.abs() < 0.1)
-        {
-            self.warnings.push(format!(
-                "the motion is scaled by {factor:.4}: a weak record made strong keeps the frequency content and duration of a weak one"
-            ));
-        }
     }
 }
 
-fn pick(mut found: Vec<Channel>, source: &records::Source, axis: usize) -> Result<Channel, InputError> {
-    let present = found.iter().map(|c| c.id.clone()).collect::<Vec<_>>().join(", ");
-    let candidates: Vec<usize> = match &source.channel {
-        Some(id) => (0..found.len()).filter(|&i| found[i].id == *id).collect(),
-        None if found.len() == 1 => vec![0],
-        None => (0..found.len()).filter(|&i| found[i].axis_hint == Some(axis)).collect(),
-    };
-    if let [only] = candidates[..] {
-        return Ok(found.swap_remove(only));
+/// The channels of the components that are files, all read by one process.
+fn recorded(scene: &Scene) -> Result<[Option<Channel>; 3], InputError> {
+    let mut sources = vec![];
+    for (axis, component) in scene.components().into_iter().enumerate() {
+        if let Some(Component::Record(record)) = component {
+            sources.push((axis, scene.source_of(record)));
+        }
     }
-    let wanted = source.channel.clone().unwrap_or_else(|| {
-        format!("that is plainly the {} component; name one as motion.{0}.channel", AXES[axis])
-    });
-    Err(InputError::ChannelMissing { path: source.location.clone(), wanted, present })
+    let mut channels = [None, None, None];
+    if sources.is_empty() {
+        return Ok(channels);
+    }
+    let options = ReadOptions { quantity: Some(scene.motion.quantity), ..ReadOptions::default() };
+    let (axes, sources): (Vec<usize>, Vec<records::Source>) = sources.into_iter().unzip();
+    let read = records::read_many(&sources, &options)?;
+    for ((axis, source), found) in axes.into_iter().zip(&sources).zip(read) {
+        channels[axis] = Some(records::choose(found, source, axis)?);
+    }
+    Ok(channels)
+}
+
+/// Does a step for the recorded components; a wavelet has no instrument that left it an offset or a drift.
+fn on_records(step: &Process, motion: &mut Motion, recorded: [bool; 3]) -> Result<(), InputError> {
+    if recorded == [false; 3] {
+        return Ok(());
+    }
+    let mut aside = [None, None, None];
+    for axis in (0..3).filter(|&axis| !recorded[axis]) {
+        aside[axis] = motion.components[axis].take();
+    }
+    let done = step.apply(motion);
+    for (component, aside) in motion.components.iter_mut().zip(aside) {
+        *component = component.take().or(aside);
+    }
+    done
+}
+
+/// A scaling in words.
+fn scaled(scaling: &Scaling) -> String {
+    match scaling {
+        Scaling::Factor(_) => "factor given by the scene".into(),
+        Scaling::Pga(pga) => {
+            format!("to a peak of {pga} m/s² in the largest component, before the band is applied")
+        }
+        Scaling::Pgv(pgv) => {
+            format!("to a peak velocity of {pgv} m/s in the largest component, before the band is applied")
+        }
+        Scaling::Sa { sa, period, damping } => format!(
+            "to a pseudo-spectral acceleration of {sa} m/s² at {period} s and a damping of {damping} in the largest component, before the band is applied"
+        ),
+    }
 }
 
 fn describe(axis: usize, c: &Channel) -> Value {
@@ -176,23 +181,72 @@ fn with_wavelets(
     Ok(motion)
 }
 
-fn to_acceleration(motion: &mut Motion) {
-    if motion.quantity == Quantity::Acceleration {
-        return;
-    }
-    let from = motion.quantity;
-    for axis in 0..3 {
-        motion.components[axis] = motion.component_as(axis, Quantity::Acceleration, 1);
-    }
-    motion.quantity = Quantity::Acceleration;
-    let parameters = json!({ "from": from.to_string(), "to": "acceleration", "by": "spectral derivative" });
-    motion.steps.push(Step::new("differentiate", parameters));
-}
-
 /// The measures of a component as the JSON of `record` and `summary.json`.
 pub fn measures_json(m: &Measures) -> Value {
     json!({
         "pga": m.pga, "pgv": m.pgv, "pgd": m.pgd, "arias": m.arias_intensity, "cav": m.cav,
         "d5_75": m.d5_75, "d5_95": m.d5_95, "mean_period": m.mean_period,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOIL: &str = "[[soil.layer]]\nthickness = 5\nvs = 150.0\nrho = 1800.0\n\
+        [soil.base]\nkind = \"elastic\"\nvs = 800.0\nrho = 2200.0\n";
+
+    fn read(motion: &str) -> Result<MotionInput, InputError> {
+        let pulse = "{ kind = \"gaussian\", frequency = 5.0, amplitude = 1.0, time = 0.5, dt = 0.005, duration = 2.0 }";
+        let text = format!(
+            "version = 1\n[motion]\nkind = \"outcrop\"\n{motion}\n[motion.x]\nwavelet = {pulse}\n\
+             [motion.y]\nwavelet = {pulse}\n{SOIL}"
+        );
+        let scene = scene::load_str(&text, "scene.toml", &[]).unwrap_or_else(|e| panic!("{e}"));
+        MotionInput::read(&scene)
+    }
+
+    #[test]
+    fn a_wavelet_keeps_its_closed_form() {
+        let input = read("").unwrap();
+        assert_eq!(input.motion.components[0].as_ref().unwrap()[100], 1.0);
+        assert!(input.motion.steps.is_empty() && input.scale.is_none() && input.warnings.is_empty());
+    }
+
+    #[test]
+    fn corrections_of_instruments_leave_a_wavelet_beside_a_record_alone() {
+        let mut motion = read("").unwrap().motion;
+        let before = motion.components[1].clone();
+        on_records(&Process::Demean { first_seconds: None }, &mut motion, [true, false, false]).unwrap();
+        assert!(motion.components[0].as_ref().unwrap().iter().sum::<f64>().abs() < 1e-9);
+        assert_eq!(motion.components[1], before);
+        let refused = Process::Demean { first_seconds: Some(9.0) };
+        assert!(on_records(&refused, &mut motion, [true, false, false]).is_err());
+        assert_eq!(motion.components[1], before);
+    }
+
+    #[test]
+    fn factors_multiply_and_refusals_name_their_place() {
+        let input =
+            read("process = [{ step = \"scale\", pga = 2 }, { step = \"scale\", factor = -10 }]").unwrap();
+        let (factor, why) = input.scale.unwrap();
+        assert!((factor + 20.0).abs() < 1e-12, "{factor}");
+        assert!(
+            why.starts_with("to a peak of 2 m/s²") && why.ends_with(", then factor given by the scene"),
+            "{why}"
+        );
+        let refused =
+            read("process = [{ step = \"rest\" }, { step = \"filter\", f_max = 100 }]").unwrap_err();
+        assert!(refused.to_string().starts_with("motion.process[2] filter: f_max = 100"), "{refused}");
+    }
+
+    #[test]
+    fn another_quantity_becomes_an_acceleration_in_the_end() {
+        let input = read("quantity = \"velocity\"\nprocess = [{ step = \"scale\", pgv = 0.5 }]").unwrap();
+        assert_eq!(input.motion.quantity, Quantity::Acceleration);
+        let names: Vec<&str> = input.motion.steps.iter().map(|step| step.name.as_str()).collect();
+        assert_eq!(names, ["scale", "convert"]);
+        let velocity = input.motion.component_as(0, Quantity::Velocity, 1).unwrap();
+        assert!((velocity.iter().fold(0.0, |peak: f64, v| peak.max(v.abs())) - 0.5).abs() < 1e-9);
+    }
 }

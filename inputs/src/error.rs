@@ -113,6 +113,18 @@ pub enum InputError {
         /// What is wrong.
         problem: String,
     },
+    /// A reader of a text format refuses the content and knows what to do about it.
+    #[error("{}: {format} file: {problem}\n  help: {remedy}", path.display())]
+    RecordRefused {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        format: &'static str,
+        /// What is wrong, with the line.
+        problem: String,
+        /// What to do.
+        remedy: String,
+    },
     /// More samples than the limit.
     #[error("{}: {samples} samples, above the limit of {limit}\n  help: cut the part of interest out of the file, or raise Limits::samples", path.display())]
     TooManySamples {
@@ -305,6 +317,57 @@ pub enum InputError {
         expected: Quantity,
     },
 
+    /// The file does not say its time step.
+    #[error("{} {channel}: no time step: the file holds values without times\n  help: give dt = the step in s", path.display())]
+    StepMissing {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+    },
+    /// The file says one time step and the user another.
+    #[error("{} {channel}: dt = {given} s was given, but the file states {stated} s\n  help: take dt out; it is for files that state no step", path.display())]
+    StepContradicts {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// The file's step, s.
+        stated: f64,
+        /// The step that was given, s.
+        given: f64,
+    },
+    /// A file of metadata that is none of those that can be read.
+    #[error("{}: no station metadata: {problem}\n  help: give FDSN StationXML, a RESP file, or SAC poles and zeros", path.display())]
+    MetadataUnknown {
+        /// The file.
+        path: PathBuf,
+        /// What it is instead.
+        problem: String,
+    },
+    /// A response that cannot be taken off, contradicts itself or belongs to another channel.
+    #[error("{}: response by {}: {problem}\n  help: {remedy}", path.display(), metadata.display())]
+    ResponseRefused {
+        /// The record.
+        path: PathBuf,
+        /// The file of metadata.
+        metadata: PathBuf,
+        /// What is wrong, with the channel.
+        problem: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A unit and a response at once.
+    #[error("{}: both a unit ({unit}) and a response ({}) are given; they contradict each other\n  help: the response turns counts into SI: take the unit out, or the metadata", path.display(), metadata.display())]
+    UnitAndResponse {
+        /// The record.
+        path: PathBuf,
+        /// The unit.
+        unit: String,
+        /// The file of metadata.
+        metadata: PathBuf,
+    },
+
     // ---- the reader process ---------------------------------------------------------------------
     /// No Python interpreter could be started.
     #[error("no Python to read records with; tried {tried}
@@ -321,6 +384,26 @@ pub enum InputError {
         python: PathBuf,
         /// What its import said.
         reason: String,
+    },
+    /// Python has ObsPy, but not the plug-ins for text formats.
+    #[error("{}: may be a text record, but this Python has not the readers of such files: {reason}
+  help: run `make setup` in hati's folder, or install the folder inputs/python into that Python with pip", path.display())]
+    PlugInsMissing {
+        /// The record.
+        path: PathBuf,
+        /// What the import said.
+        reason: String,
+    },
+    /// The reader crashed on one file.
+    #[error("{}: the library that reads such files crashes on it: {problem}{stderr}
+  help: the file is most likely damaged; fetch it again from its source", path.display())]
+    ReaderCrashed {
+        /// The record.
+        path: PathBuf,
+        /// How the reader ended.
+        problem: String,
+        /// The end of what it wrote on stderr, on lines of its own, or nothing.
+        stderr: String,
     },
     /// The reader took longer than allowed and was stopped.
     #[error("{}: reading took more than {seconds} s and was stopped{stderr}\n  help: raise Limits::time, or use a smaller file", python.display())]
@@ -341,6 +424,8 @@ pub enum InputError {
         problem: String,
         /// The end of what it wrote on stderr, on lines of its own, or nothing.
         stderr: String,
+        /// Whether a signal ended it: a crash, not a word of its own.
+        crashed: bool,
     },
 
     // ---- motions --------------------------------------------------------------------------------
@@ -363,6 +448,49 @@ pub enum InputError {
         first_value: String,
         /// Value in the second.
         second_value: String,
+    },
+    /// A motion that a processing step cannot act on, or a step that lacks something.
+    #[error("{step}: {problem}\n  help: {remedy}")]
+    StepUnfit {
+        /// The processing step.
+        step: &'static str,
+        /// What is wrong.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A processing step that is not written as it should be.
+    #[error("process \"{text}\": {problems}")]
+    ProcessText {
+        /// What was given.
+        text: String,
+        /// Each mistake with its key and what to do, on lines of their own.
+        problems: String,
+    },
+    /// A record that could not be brought to a design spectrum.
+    #[error("match: component {component} does not reach the spectrum: PSA is {ratio:.3} of the target at T = {period:.4} s after {iterations} iterations; expected {low:.3} to {high:.3}
+  help: take a seed whose spectrum is nearer to the target or a longer one, raise iterations, narrow periods, or widen tolerance")]
+    NotMatched {
+        /// Name of the component.
+        component: &'static str,
+        /// Ratio to the target where it is worst, in the best iteration.
+        ratio: f64,
+        /// Period of that ratio, s.
+        period: f64,
+        /// Smallest ratio allowed.
+        low: f64,
+        /// Largest ratio allowed.
+        high: f64,
+        /// Iterations made.
+        iterations: usize,
+    },
+    /// A step of a scene's `motion.process` that was refused when it met the motion.
+    #[error("motion.process[{number}] {source}")]
+    InProcess {
+        /// Place in the list, counted from 1.
+        number: usize,
+        /// Why.
+        source: Box<InputError>,
     },
     /// A number of a processing step that cannot be used.
     #[error("{step}: {parameter} = {found}; expected {expected}")]

@@ -9,11 +9,11 @@
 //!
 //! A record becomes a motion in three lines:
 //! ```no_run
-//! use hati_inputs::{motion::Motion, motion::Offset, records};
+//! use hati_inputs::{motion::{Motion, Process}, records};
 //! # fn main() -> Result<(), hati_inputs::InputError> {
 //! let channels = records::read("station.EW2".as_ref(), &records::ReadOptions::default())?;
 //! let mut motion = Motion::from_channels([Some(&channels[0]), None, None])?;
-//! motion.remove_offset(Offset::Mean)?;
+//! Process::Demean { first_seconds: None }.apply(&mut motion)?;
 //! # Ok(()) }
 //! ```
 //!

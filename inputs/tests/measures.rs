@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use hati_inputs::measures::{
-    Measures, fourier_amplitude, husid, konno_ohmachi, log_periods, mean_period, psa, response_spectrum,
+    Measures, fourier_amplitude, horizontal_to_vertical, husid, konno_ohmachi, konno_ohmachi_each,
+    log_periods, mean_period, psa, response_spectrum, rotated_spectrum,
 };
 
 const G: f64 = 9.80665;
@@ -77,11 +78,147 @@ fn the_husid_curve_runs_from_zero_to_one() {
     );
 }
 
+/// erf by its series, for |x| up to 3.
+fn erf(x: f64) -> f64 {
+    let (mut term, mut sum) = (x, x);
+    for n in 1..120 {
+        term *= -x * x / f64::from(n);
+        sum += term / f64::from(2 * n + 1);
+    }
+    2.0 / PI.sqrt() * sum
+}
+
+/// Where a non-decreasing function from 0 to 1 reaches `level`.
+fn reached(share: impl Fn(f64) -> f64, level: f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if share(middle) < level { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// (name, found, closed form) of what is integrated over the record.
+type Row = (&'static str, f64, f64);
+
+fn assert_rows(what: &str, rows: &[Row], limit: f64) {
+    for (name, found, wanted) in rows {
+        let error = found / wanted - 1.0;
+        assert!(error.abs() < limit, "{what}: {name} {found} against {wanted}: {error:.1e}");
+    }
+}
+
 #[test]
-fn cav_counts_both_sides_of_a_crossing() {
-    // A straight line from −1 to 3 over one step: triangles of 1/4 and 3/4 of the step.
-    let m = Measures::of(&[-1.0, 3.0], 0.4, 0.0);
-    assert_relative_eq!(m.cav, 0.4 * (0.5 * 0.25 + 0.5 * 0.75 * 3.0), max_relative = 1e-14);
+fn a_ricker_pulse_has_its_closed_forms_at_ten_samples_per_cycle_and_more() {
+    let (amplitude, f) = (3.0, 2.0);
+    for samples_per_cycle in [10.0_f64, 17.0, 50.0, 200.0] {
+        let dt = 1.0 / (f * samples_per_cycle);
+        // Between two samples: nothing may depend on a sample that meets the peak.
+        let centre = 2.0 + 0.37 * dt;
+        let n = (8.0 / dt) as usize;
+        let s = |t: f64| PI * f * (t - centre);
+        let a: Vec<f64> = (0..n)
+            .map(|i| s(i as f64 * dt))
+            .map(|s| amplitude * (1.0 - 2.0 * s * s) * (-s * s).exp())
+            .collect();
+        let m = Measures::of(&a, dt, 0.0);
+        // a = A (1 − 2s²) e^{−s²}, s = πf(t − c). Then v = A (t − c) e^{−s²}, d = −A/(2π²f²) e^{−s²} and
+        // ∫ a² dt = A²/(πf) [¾ √(π/2) (1 + erf(√2 s))/2 + (s/4 − s³) e^{−2s²}] up to s.
+        let energy = 0.75 * (PI / 2.0).sqrt() / (PI * f) * amplitude * amplitude;
+        let share = |s: f64| {
+            let grown = 0.5 * (1.0 + erf(2.0_f64.sqrt() * s));
+            grown + (0.25 * s - s.powi(3)) * (-2.0 * s * s).exp() / (0.75 * (PI / 2.0).sqrt())
+        };
+        let time = |level| reached(share, level, -2.0, 2.0) / (PI * f);
+        let pgv = amplitude * (-0.5_f64).exp() / (2.0_f64.sqrt() * PI * f);
+        let rows = [
+            ("Arias intensity", m.arias_intensity, PI / (2.0 * G) * energy),
+            // v goes down, up and down again: −v, +v and back.
+            ("CAV", m.cav, 4.0 * pgv),
+            ("D5-75", m.d5_75, time(0.75) - time(0.05)),
+            ("D5-95", m.d5_95, time(0.95) - time(0.05)),
+            ("time of 5 %", m.t5, centre + time(0.05)),
+            ("PGV", m.pgv, pgv),
+            ("PGD", m.pgd, amplitude / (2.0 * (PI * f).powi(2))),
+        ];
+        assert_rows(&format!("Ricker, {samples_per_cycle} samples per cycle"), &rows, 1e-3);
+    }
+}
+
+#[test]
+fn a_sine_burst_has_its_closed_forms_at_forty_samples_per_cycle_and_more() {
+    let (amplitude, f, cycles) = (2.0, 2.5, 20);
+    let omega = TAU * f;
+    let duration = cycles as f64 / f;
+    // Its corners at both ends are not band-limited: with ten samples the record itself is another.
+    for samples_per_cycle in [40.0_f64, 70.0, 200.0] {
+        let dt = 1.0 / (f * samples_per_cycle);
+        let begin = 2.0 + 0.37 * dt;
+        let a = burst(amplitude, f, cycles, begin, (12.0 / dt) as usize, dt);
+        let m = Measures::of(&a, dt, 0.0);
+        // ∫ a² dt = A²/2 [t − sin(2ωt)/(2ω)], v = A/ω (1 − cos ωt), d = A/ω (t − sin(ωt)/ω).
+        let share = |t: f64| (t - (2.0 * omega * t).sin() / (2.0 * omega)) / duration;
+        let time = |level| reached(share, level, 0.0, duration);
+        let rows = [
+            ("Arias intensity", m.arias_intensity, PI / (2.0 * G) * amplitude * amplitude * duration / 2.0),
+            ("CAV", m.cav, 2.0 / PI * amplitude * duration),
+            ("D5-75", m.d5_75, time(0.75) - time(0.05)),
+            ("D5-95", m.d5_95, time(0.95) - time(0.05)),
+            ("PGV", m.pgv, 2.0 * amplitude / omega),
+            ("PGD", m.pgd, amplitude / omega * duration),
+        ];
+        assert_rows(&format!("burst, {samples_per_cycle} samples per cycle"), &rows, 1e-3);
+    }
+}
+
+#[test]
+fn the_predominant_period_is_that_of_the_largest_psa() {
+    let dt = 0.005;
+    let a = burst(1.0, 2.0, 30, 1.0, 5000, dt);
+    let spectrum = response_spectrum(&a, dt, &log_periods(0.05, 5.0, 201), 0.05);
+    assert_relative_eq!(spectrum.predominant_period(), 0.5, max_relative = 0.03);
+    let still = response_spectrum(&[0.0; 100], dt, &[0.1, 1.0], 0.05);
+    assert_eq!(still.predominant_period(), 0.0);
+}
+
+#[test]
+fn a_motion_along_one_line_is_largest_along_it() {
+    let dt = 0.01;
+    let a = burst(1.0, 1.3, 12, 1.0, 1500, dt);
+    let angle = 33.0_f64.to_radians();
+    let [x, y] = [angle.cos(), angle.sin()].map(|c| a.iter().map(|a| c * a).collect::<Vec<f64>>());
+    let periods = [0.05, 0.3, 0.77, 4.0];
+    let along = psa(&a, dt, &periods, 0.05);
+    let turned = rotated_spectrum(&x, &y, dt, &periods, 0.05);
+    for (i, psa) in along.iter().enumerate() {
+        assert_eq!(turned.rotd100_angle[i], 33.0);
+        assert_relative_eq!(turned.rotd100[i], *psa, max_relative = 1e-12);
+        // The peak falls as |cos|, whose median over all directions is cos 45° (between two degrees).
+        assert_relative_eq!(turned.rotd50[i], psa * 45.0_f64.to_radians().cos(), max_relative = 1e-3);
+        assert!(turned.rotd00[i] < 1e-6 * psa);
+        assert_relative_eq!(turned.along_x[i], psa * angle.cos(), max_relative = 1e-12);
+        let mean = psa * (angle.cos() * angle.sin()).sqrt();
+        assert_relative_eq!(turned.geometric_mean[i], mean, max_relative = 1e-12);
+    }
+}
+
+#[test]
+fn a_motion_in_a_circle_is_the_same_in_all_directions() {
+    let (dt, f, n) = (0.01, 1.25, 2401);
+    let envelope = |t: f64| (PI * t / 24.0).sin().powi(2);
+    let wave = |shape: fn(f64) -> f64| -> Vec<f64> {
+        (0..n).map(|i| i as f64 * dt).map(|t| envelope(t) * shape(TAU * f * t)).collect()
+    };
+    let turned = rotated_spectrum(&wave(f64::cos), &wave(f64::sin), dt, &[0.2, 0.8, 2.0], 0.05);
+    for i in 0..3 {
+        assert_relative_eq!(turned.rotd00[i], turned.rotd100[i], max_relative = 1e-2);
+        assert!(turned.rotd00[i] <= turned.rotd50[i] && turned.rotd50[i] <= turned.rotd100[i]);
+        assert!(turned.rotd00[i] < turned.rotd100[i]);
+    }
+    // What cannot be: a damping out of range, a negative period, no motion at all.
+    let nothing = rotated_spectrum(&wave(f64::cos), &wave(f64::sin), dt, &[0.2, -1.0], 1.0);
+    assert!(nothing.rotd50.iter().chain(&nothing.rotd100_angle).all(|value| value.is_nan()));
+    assert!(rotated_spectrum(&[], &[1.0], dt, &[0.5], 0.05).rotd50[0].is_nan());
+    assert_eq!(rotated_spectrum(&[0.0; 9], &[0.0; 9], dt, &[0.0, 0.5], 0.05).rotd100, [0.0, 0.0]);
 }
 
 /// A sin(pt) under the envelope sin²(πt/L), which is a sum of three sines: (amplitude, circular frequency).
@@ -293,21 +430,55 @@ fn konno_ohmachi_keeps_a_constant_and_spreads_a_line() {
     assert_eq!(konno_ohmachi(&[], &[], &[1.0], 40.0), [0.0]);
 }
 
-/// Prints the cost of a full spectrum; run with `--ignored --nocapture`.
+/// The window as its formula reads.
+fn konno_ohmachi_plainly(frequencies: &[f64], amplitudes: &[f64], centre: f64, b: f64) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (f, amplitude) in frequencies.iter().zip(amplitudes) {
+        let x = b * (f / centre).log10();
+        if *f > 0.0 && x.abs() <= 6.0 * PI {
+            let weight = if x == 0.0 { 1.0 } else { (x.sin() / x).powi(4) };
+            sum += weight * amplitude;
+            total += weight;
+        }
+    }
+    sum / total
+}
+
 #[test]
-#[ignore = "a timing, not a check"]
-fn time_of_a_full_spectrum() {
-    let a: Vec<f64> = (0..6000).map(|i| (i as f64 * 0.3).sin() * (i as f64 * 0.017).cos()).collect();
-    let periods = log_periods(0.01, 10.0, 120);
-    let mut times: Vec<f64> = (0..9)
-        .map(|_| {
-            let begin = std::time::Instant::now();
-            let sum: f64 = psa(&a, 0.01, &periods, 0.05).iter().sum();
-            assert!(sum > 0.0);
-            begin.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    let line = format!("120 periods of 6000 samples: {:.1} ms (median of 9)\n", 1e3 * times[4]);
-    std::io::Write::write_all(&mut std::io::stderr(), line.as_bytes()).unwrap();
+fn smoothing_is_the_formula_for_one_spectrum_and_for_three() {
+    let frequencies: Vec<f64> = (0..20_001).map(|i| i as f64 * 0.005).collect();
+    let amplitude = |phase: f64| -> Vec<f64> {
+        frequencies.iter().map(|f| 1.0 + (37.0 * f + phase).sin() / (1.0 + f)).collect()
+    };
+    let columns = [amplitude(0.0), amplitude(1.0), amplitude(2.0)];
+    // On a frequency of the grid, between two, at the ends.
+    let mut centres = log_periods(0.01, 100.0, 61);
+    centres.extend([5.0, 5.0025, 99.999]);
+    for b in [8.0, 40.0, -40.0, 188.0] {
+        let three = konno_ohmachi_each(&frequencies, columns.each_ref().map(|c| &c[..]), &centres, b);
+        for (column, smoothed) in columns.iter().zip(&three) {
+            assert_eq!(*smoothed, konno_ohmachi(&frequencies, column, &centres, b));
+            for (centre, value) in centres.iter().zip(smoothed) {
+                let wanted = konno_ohmachi_plainly(&frequencies, column, *centre, b);
+                assert_relative_eq!(*value, wanted, max_relative = 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn horizontal_to_vertical_is_the_ratio_of_the_smoothed_amplitudes() {
+    let dt = 0.01;
+    let pulse = |c: f64| -> Vec<f64> {
+        (0..2000).map(|i| c * (-((i as f64 * dt - 10.0) / 0.1).powi(2)).exp()).collect()
+    };
+    let centres = [0.5, 1.0, 2.0, 4.0];
+    let ratio = horizontal_to_vertical(&pulse(2.0), &pulse(-8.0), &pulse(0.5), dt, &centres, 40.0);
+    for value in ratio {
+        assert_relative_eq!(value, 8.0, max_relative = 1e-12);
+    }
+    let still = vec![0.0; 2000];
+    let without = horizontal_to_vertical(&pulse(2.0), &pulse(1.0), &still, dt, &centres, 40.0);
+    assert!(without.iter().all(|value| value.is_nan()));
+    assert_eq!(horizontal_to_vertical(&pulse(2.0), &still, &pulse(1.0), dt, &centres, 40.0), [0.0; 4]);
 }

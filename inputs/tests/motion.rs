@@ -1,12 +1,11 @@
-//! Motions: spectral calculus and processing against closed forms.
+//! Motions: spectral calculus and the model's band against closed forms.
 
 use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use hati_inputs::InputError;
 use hati_inputs::motion::{
-    BandWindow, Motion, Offset, Quantity, differentiate, integrate, padded_length, resample_as, upsample,
-    usable_band,
+    BandWindow, Motion, Quantity, differentiate, integrate, padded_length, resample_as, upsample, usable_band,
 };
 use hati_inputs::records::Channel;
 use proptest::prelude::*;
@@ -208,10 +207,7 @@ fn the_band_keeps_what_is_inside_without_a_shift_and_drops_the_rest() {
     assert_close(&found[2000..4000], &inside[2000..4000], 1e-2);
     let step = &motion.steps[0];
     assert_eq!(step.name, "band");
-    assert_eq!(
-        (&step.parameters["f_min_hz"], &step.parameters["f_zero_above_hz"]),
-        (&1.0.into(), &25.0.into())
-    );
+    assert_eq!((&step.parameters["f_min_hz"], &step.found["f_zero_above_hz"]), (&1.0.into(), &25.0.into()));
     // The whole band changes nothing.
     let mut same = motion_of(inside.clone(), dt);
     same.band(0.0, 50.0).unwrap();
@@ -220,67 +216,6 @@ fn the_band_keeps_what_is_inside_without_a_shift_and_drops_the_rest() {
         let error = same.band(low, high).unwrap_err();
         assert!(matches!(error, InputError::StepParameter { step: "band", .. }), "{error}");
     }
-}
-
-#[test]
-fn offsets_are_removed_and_gravity_is_named() {
-    let wave: Vec<f64> = (0..1000).map(|i| if i < 100 { 0.0 } else { (i as f64 * 0.3).sin() }).collect();
-    let lifted = |offset: f64| Some(wave.iter().map(|x| x + offset).collect::<Vec<f64>>());
-    let mut motion =
-        Motion::new(0.01, Some(7.0), Quantity::Acceleration, [lifted(0.2), None, lifted(9.79)]).unwrap();
-    let before = motion.clone();
-    motion.remove_offset(Offset::FirstSeconds(1.0)).unwrap();
-    assert_close(motion.components[0].as_ref().unwrap(), &wave, 1e-12);
-    assert_close(motion.components[2].as_ref().unwrap(), &wave, 1e-12);
-    let step = &motion.steps[0].parameters;
-    assert_eq!(step["z"]["gravity_g"], 1.0);
-    assert!(step["x"].get("gravity_g").is_none() && step["samples"] == 100);
-    assert_relative_eq!(step["x"]["offset_m_s2"].as_f64().unwrap(), 0.2, max_relative = 1e-12);
-    let mut motion = before;
-    motion.remove_offset(Offset::Mean).unwrap();
-    let mean = motion.components[0].as_ref().unwrap().iter().sum::<f64>();
-    assert!(mean.abs() < 1e-10);
-    for seconds in [0.0, -1.0, 10.1, f64::NAN] {
-        assert!(motion.remove_offset(Offset::FirstSeconds(seconds)).is_err(), "{seconds}");
-    }
-    assert_eq!(motion.steps.len(), 1);
-}
-
-#[test]
-fn scaling_says_its_factor() {
-    let mut motion = Motion::new(
-        0.01,
-        None,
-        Quantity::Acceleration,
-        [Some(vec![0.0, 0.5, -0.25]), Some(vec![0.0, 0.1, -2.0]), None],
-    )
-    .unwrap();
-    assert_eq!(motion.scale_to_peak(3.0).unwrap(), 1.5);
-    assert_eq!(motion.components[0].as_deref().unwrap(), [0.0, 0.75, -0.375]);
-    assert_eq!(motion.steps[0].parameters["factor"], 1.5);
-    assert_eq!(motion.steps[0].parameters["peak_before_m_s2"], 2.0);
-    motion.scale(-2.0).unwrap();
-    assert_eq!(motion.components[1].as_deref().unwrap(), [0.0, -0.30000000000000004, 6.0]);
-    assert_eq!(motion.steps[1].parameters["peak_m_s2"], 6.0);
-    for factor in [0.0, f64::NAN, f64::INFINITY] {
-        assert!(motion.scale(factor).is_err());
-    }
-    for peak in [0.0, -1.0, f64::NAN] {
-        assert!(motion.scale_to_peak(peak).is_err());
-    }
-    assert!(motion_of(vec![0.0; 5], 0.01).scale_to_peak(1.0).is_err());
-}
-
-#[test]
-fn the_taper_is_a_half_cosine_at_each_end() {
-    let mut motion = motion_of(vec![1.0; 101], 0.01);
-    motion.taper(0.2, 0.4).unwrap();
-    let x = motion.components[0].as_ref().unwrap();
-    for (i, gain) in [(0, 0.0), (10, 0.5), (20, 1.0), (60, 1.0), (80, 0.5), (100, 0.0)] {
-        assert!((x[i] - gain).abs() < 1e-12, "{i}: {}", x[i]);
-    }
-    assert!(motion.taper(0.6, 0.6).is_err() && motion.taper(-0.1, 0.0).is_err());
-    motion.taper(0.0, 0.0).unwrap();
 }
 
 #[test]

@@ -8,8 +8,8 @@ mod python;
 use std::path::{Path, PathBuf};
 
 use hati_inputs::InputError;
-use hati_inputs::motion::{Motion, Offset, Quantity};
-use hati_inputs::records::{Channel, ReadOptions, Source, Unit, read, read_many};
+use hati_inputs::motion::{Motion, Process, Quantity};
+use hati_inputs::records::{Channel, ReadOptions, Response, Source, Unit, read, read_each, read_many};
 
 fn collection() -> Option<PathBuf> {
     let shared = std::env::var_os("HATI_SHARED")
@@ -32,6 +32,101 @@ fn vertical_or_x(channel: &Channel) -> Motion {
     Motion::from_channels(components).unwrap()
 }
 
+/// Fields of a line of comma-separated values, with quotes where a field has commas.
+fn fields(line: &str) -> Vec<String> {
+    let (mut found, mut quoted) = (vec![String::new()], false);
+    for letter in line.chars() {
+        match letter {
+            '"' => quoted = !quoted,
+            ',' if !quoted => found.push(String::new()),
+            other => found.last_mut().unwrap().push(other),
+        }
+    }
+    found
+}
+
+/// Files that a name of the table stands for; a star is any end of a name.
+fn files(folder: &Path, name: &str) -> Vec<PathBuf> {
+    let Some(before) = name.strip_suffix('*') else { return vec![folder.join(name)] };
+    let entries = std::fs::read_dir(folder.join(before)).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> =
+        entries.filter(|path| path.extension().is_some_and(|end| end == "mseed")).collect();
+    files.sort();
+    files
+}
+
+/// The source that the table means: counts come with the StationXML of their folder.
+fn source(file: &Path, stored: &str) -> Source {
+    let metadata = std::fs::read_dir(file.parent().unwrap()).unwrap().map(|entry| entry.unwrap().path());
+    let metadata = metadata.into_iter().find(|path| path.extension().is_some_and(|end| end == "xml"));
+    let wanted = stored.contains("xml") || stored.contains("StationXML");
+    let response = metadata.filter(|_| wanted).map(Response::new);
+    Source { response, ..Source::new(file) }
+}
+
+/// Every row: read with that step, number, unit and peak, or refused with file and remedy.
+#[test]
+fn every_file_of_the_collection_gives_what_its_table_says() {
+    let Some(folder) = collection() else { return };
+    let table = std::fs::read_to_string(folder.join("expected.csv")).unwrap();
+    let rows: Vec<Vec<String>> = table.lines().skip(1).map(fields).collect();
+    let (mut read, mut refused) = (0, 0);
+    for row in &rows {
+        let [name, _, npts, dt, stored, expected, ..] = row.as_slice() else { panic!("{row:?}") };
+        let files = files(&folder, name);
+        assert!(!files.is_empty(), "{name}");
+        let sources: Vec<Source> = files.iter().map(|file| source(file, stored)).collect();
+        for (file, answer) in files.iter().zip(read_each(&sources, &accelerogram(None)).unwrap()) {
+            let open = expected.is_empty() && answer.is_err();
+            if expected == "refuse" || open {
+                let text = answer.map(|channels| channels.len()).expect_err(name).to_string();
+                assert!(text.contains(&file.display().to_string()) && text.contains("\n  help: "), "{text}");
+                // What the table leaves open is refused for its unit alone.
+                assert!(!open || text.contains("no unit"), "{text}");
+                refused += 1;
+                continue;
+            }
+            let channels = answer.unwrap_or_else(|error| panic!("{name}: {error}"));
+            let channel = &channels[0];
+            assert_eq!(channel.quantity, Quantity::Acceleration);
+            // The table gives no number of samples for one file, whose header says 3500 at 0.01 s.
+            let stated = (npts.parse().unwrap_or(3500), dt.parse().unwrap_or(0.01));
+            assert_eq!((channel.samples.len(), channel.dt), stated, "{name}");
+            let found = channel.steps[1].parameters["factor_to_si"].as_f64();
+            match stored.split(' ').next().unwrap().replace('^', "").to_lowercase().parse::<Unit>() {
+                Ok(unit) => assert_eq!(found, Some(unit.factor()), "{name}: {}", channel.unit_stored),
+                // Counts; and the unit that stands in the block of data alone.
+                Err(_) => assert!(stored.starts_with("counts") || stored == "see the data block", "{stored}"),
+            }
+            if let Ok(peak) = expected.parse::<f64>() {
+                let offset = match name.contains("SYNH01") {
+                    true => channel.samples[..100].iter().sum::<f64>() / 100.0,
+                    false => 0.0,
+                };
+                let found =
+                    channel.samples.iter().fold(0.0_f64, |peak, value| peak.max((value - offset).abs()));
+                assert!((found / peak - 1.0).abs() < 1e-3, "{name}: {found} against {peak}");
+            }
+            read += 1;
+        }
+    }
+    python::say(&format!("{} rows: {read} files read as expected, {refused} refused", rows.len()));
+    assert!(read >= 20 && refused >= 30, "{read} read, {refused} refused");
+}
+
+#[test]
+fn the_chilean_file_has_three_channels_in_tenths_of_g() {
+    let Some(folder) = collection() else { return };
+    let channels = read(&folder.join("renadic_chile/altohospicio0911131.v1"), &accelerogram(None)).unwrap();
+    assert_eq!(channels.iter().map(|c| c.axis_hint).collect::<Vec<_>>(), [Some(0), Some(1), Some(2)]);
+    // Peaks that the headers of the three channels state, g.
+    for (channel, stated) in channels.iter().zip([0.051, 0.084, 0.035]) {
+        assert_eq!((channel.samples.len(), channel.dt, channel.unit_stored.as_str()), (3500, 0.01, "G/10"));
+        let found = channel.samples.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
+        assert!((found / 9.80665 - stated).abs() < 6e-4, "{}: {found}", channel.id);
+    }
+}
+
 #[test]
 fn kiknet_files_give_the_expected_peaks() {
     let Some(folder) = collection() else { return };
@@ -45,7 +140,7 @@ fn kiknet_files_give_the_expected_peaks() {
         let channel = &channels[0];
         assert_eq!((channel.samples.len(), channel.dt), (6000, 0.01), "{end}");
         let mut motion = vertical_or_x(channel);
-        motion.remove_offset(Offset::FirstSeconds(1.0)).unwrap();
+        Process::Demean { first_seconds: Some(1.0) }.apply(&mut motion).unwrap();
         assert!((motion.peak() / pga - 1.0).abs() < 1e-5, "{end}: {} against {pga}", motion.peak());
     }
 }
@@ -60,9 +155,9 @@ fn sac_files_in_g_under_a_header_of_nanometres_are_refused_until_told() {
         let channel = read(&path, &accelerogram(Some(Unit::G))).unwrap().remove(0);
         assert_eq!((channel.samples.len(), channel.dt), (15001, 0.02));
         let mut motion = vertical_or_x(&channel);
-        motion.remove_offset(Offset::Mean).unwrap();
+        Process::Demean { first_seconds: None }.apply(&mut motion).unwrap();
         assert!((motion.peak() / pga - 1.0).abs() < 1e-5, "{end}: {}", motion.peak());
-        let step = &motion.steps.last().unwrap().parameters;
+        let step = &motion.steps.last().unwrap().found;
         let named = step.get("z").and_then(|z| z.get("gravity_g"));
         assert_eq!(named.and_then(serde_json::Value::as_f64), gravity.then_some(1.0), "{step:?}");
     }
@@ -92,7 +187,6 @@ fn counts_are_refused_until_a_unit_is_given_and_bad_files_always() {
         ("bad_input/corrupt_one_extra_byte_at_end.mseed", false, "broken miniSEED"),
         ("bad_input/gaps_3comp_ffbx_unrotated.mseed", false, "gap"),
         ("mseed_stationxml/ridgecrest2019/CI.CLC.xml", false, "XML"),
-        ("peer_at2/elcentro1940_NS.AT2", false, "no known record format"),
         ("expected.csv", false, "no known record format"),
     ];
     for (name, readable, word) in cases {
@@ -112,4 +206,24 @@ fn the_velocity_trap_holds_when_its_true_unit_is_given() {
     let path = folder.join("fixtures_cc0/trap_velocity_not_acceleration.sac");
     let error = read(&path, &accelerogram(Some(Unit::MetrePerSecond))).unwrap_err();
     assert!(matches!(error, InputError::QuantityMismatch { .. }), "{error}");
+}
+
+#[test]
+fn the_traps_of_the_collection_load_once_told() {
+    let Some(folder) = collection() else { return };
+    let bare = Source {
+        unit: Some(Unit::G),
+        dt: Some(0.02),
+        ..Source::new(folder.join("peer_at2/elcentro1940_NS_bare.dat"))
+    };
+    let platform = Source {
+        unit: Some(Unit::CentimetrePerSecond2),
+        ..Source::new(folder.join("generic_ascii/accel_ts.bbp"))
+    };
+    let mut answers = read_each(&[bare, platform], &accelerogram(None)).unwrap().into_iter();
+    let bare = answers.next().unwrap().unwrap();
+    assert_eq!((bare[0].samples.len(), bare[0].dt), (1559, 0.02));
+    let platform = answers.next().unwrap().unwrap();
+    assert_eq!(platform.iter().map(|c| c.axis_hint).collect::<Vec<_>>(), [Some(1), Some(0), Some(2)]);
+    assert_eq!((platform[0].samples.len(), platform[0].dt), (4096, 0.025));
 }

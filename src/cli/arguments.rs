@@ -1,6 +1,8 @@
 //! What the command line takes.
 
-use clap::{Args, Parser, Subcommand};
+use crate::record::Formats;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use hati_inputs::records::ResponseMode;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -28,7 +30,7 @@ pub(super) enum Verb {
     Plan(SceneArguments),
     /// Plan and run a scene into a folder.
     Run(RunArguments),
-    /// Look at motions: what was found in the files, and their measures.
+    /// Look at records: what was found in the files, their measures, a page, and the processed motion as files.
     Record(RecordArguments),
     /// Print the JSON Schema of scene files.
     Schema {
@@ -66,14 +68,67 @@ pub(super) struct RunArguments {
 #[derive(Debug, Args)]
 pub(super) struct RecordArguments {
     /// Record files.
-    #[arg(required = true)]
+    #[arg(required_unless_present = "from")]
     pub(super) files: Vec<PathBuf>,
-    /// Unit of one sample value, in place of what the file says: m/s2, cm/s2, gal, g, g/10, mm/s2, nm/s2, m/s, …
-    #[arg(long)]
+    /// Unit of one sample value, in place of what the files say: m/s2, cm/s2, gal, g, g/10, mm/s2, nm/s2, m/s, …
+    #[arg(long, conflicts_with = "metadata")]
     pub(super) unit: Option<String>,
-    /// Leave the offset in.
-    #[arg(long)]
-    pub(super) keep_offset: bool,
+    /// Time step in s, for files that state none.
+    #[arg(long, value_name = "S")]
+    pub(super) dt: Option<f64>,
+    /// Read only this channel: its full id, or the last part of it.
+    #[arg(long, value_name = "ID")]
+    pub(super) channel: Option<String>,
+    /// Take the instrument's response off by this StationXML, RESP or SAC poles-and-zeros file.
+    #[arg(long, value_name = "FILE")]
+    pub(super) metadata: Option<PathBuf>,
+    /// How the response is taken off.
+    #[arg(long, value_name = "HOW", requires = "metadata", default_value = "full")]
+    pub(super) response: ResponseArgument,
+    /// Four rising corners in Hz within which the full response is taken off, for instance 0.02,0.05,40,48.
+    #[arg(long, value_name = "F1,F2,F3,F4", requires = "metadata", value_parser = corners)]
+    pub(super) pre_filter: Option<[f64; 4]>,
+    /// A step of processing, for instance 'filter f_min=0.1 f_max=25'; repeatable, done in order; `none` for no step at all [default: demean].
+    #[arg(long, value_name = "STEP")]
+    pub(super) process: Vec<String>,
+    /// Folder for the page and the motion.
+    #[arg(long, short, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Files of the motion, with commas between them: csv, mseed, sac.
+    #[arg(long, value_name = "FORMATS", requires = "out", default_value = "csv")]
+    pub(super) write: Formats,
+    /// Make a motion again from its own account: a motion.csv or record.json of an earlier --out.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "unit", "dt", "channel", "metadata", "process"])]
+    pub(super) from: Option<PathBuf>,
+}
+
+/// The words of `--response`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ResponseArgument {
+    /// Divide the spectrum by the full response; refused where sensitivity and stages disagree.
+    Full,
+    /// Divide the samples by the stated sensitivity.
+    Sensitivity,
+    /// As full, by the stages, whatever the stated sensitivity says.
+    Stages,
+}
+
+impl From<ResponseArgument> for ResponseMode {
+    fn from(argument: ResponseArgument) -> Self {
+        match argument {
+            ResponseArgument::Full => Self::Full,
+            ResponseArgument::Sensitivity => Self::Sensitivity,
+            ResponseArgument::Stages => Self::Stages,
+        }
+    }
+}
+
+fn corners(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    match numbers.map(<[f64; 4]>::try_from) {
+        Ok(Ok(corners)) if corners.windows(2).all(|pair| pair[0] < pair[1]) => Ok(corners),
+        _ => Err(format!("`{text}`: give four rising frequencies in Hz with commas between them")),
+    }
 }
 
 #[derive(Debug, Args)]

@@ -12,6 +12,7 @@
 //! Results for machines go to stdout (one JSON value with `--json`), everything else to stderr.
 mod arguments;
 mod record;
+mod record_table;
 mod show;
 
 use crate::plan::{Plan, PlanError};

@@ -1,54 +1,171 @@
-//! The verb `record`, in its first form: what was found in the files, and its measures.
+//! The verb `record`: what was found in the files, its measures, and the motion as a page and as files.
 
 use super::arguments::RecordArguments;
-use super::{Exit, Failure, print, print_json, show};
-use crate::motion_input::measures_json;
-use hati_inputs::measures::Measures;
-use hati_inputs::motion::{Motion, Offset, Quantity, usable_band};
-use hati_inputs::records::{Channel, ReadOptions, Source, Unit, read_many};
+use super::{Exit, Failure, note, print, print_json, record_table, tell};
+use crate::outputs::{OutputError, write_summary};
+use crate::record::{
+    Looked, Measured, NOT_OURS, RecordError, Recording, Refused, Written, look, replay, write,
+};
+use crate::report::{Row, write_index};
+use hati_inputs::motion::Process;
+use hati_inputs::records::{ReadOptions, Response, Source, Unit};
 use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 
-/// Accuracy for which a record's band is shown: the default of scenes.
-const BAND_ACCURACY: f64 = 1e-2;
-
-pub(super) fn record(a: &RecordArguments, json: bool) -> Result<Exit, Failure> {
-    let unit = match &a.unit {
-        Some(text) => Some(text.parse::<Unit>().map_err(Failure::input)?),
-        None => None,
-    };
-    let sources: Vec<Source> = a.files.iter().map(|f| Source { unit, ..Source::new(f) }).collect();
-    let files = read_many(&sources, &ReadOptions::default()).map_err(Failure::input)?;
-    let mut channels = vec![];
-    for channel in files.iter().flatten() {
-        channels.push(measure(channel, a.keep_offset)?);
+impl From<RecordError> for Failure {
+    fn from(e: RecordError) -> Self {
+        let exit = if matches!(e, RecordError::Output(_)) { Exit::Machine } else { Exit::WrongInput };
+        Self::new(exit, e)
     }
-    if json {
-        print_json(&json!({ "channels": channels }))?;
-    } else {
-        print(&show::channels(&channels))?;
-    }
-    Ok(Exit::Fine)
 }
 
-fn measure(channel: &Channel, keep_offset: bool) -> Result<Value, Failure> {
-    let mut motion = Motion::from_channels([Some(channel), None, None]).map_err(Failure::input)?;
-    if !keep_offset {
-        motion.remove_offset(Offset::Mean).map_err(Failure::input)?;
+impl From<OutputError> for Failure {
+    fn from(e: OutputError) -> Self {
+        Self::new(Exit::Machine, e)
     }
-    let a = motion.component_as(0, Quantity::Acceleration, 1).unwrap_or_default();
-    let f_min = 1.0 / (motion.len() as f64 * motion.dt);
-    let mut value = measures_json(&Measures::of(&a, motion.dt, f_min));
-    let band = usable_band(&a, motion.dt, BAND_ACCURACY);
-    let about = json!({
-        "id": channel.id, "file": channel.file.display().to_string(), "format": channel.format,
-        "start": channel.start.map(crate::calendar::iso8601), "dt": channel.dt, "npts": channel.samples.len(),
-        "quantity": channel.quantity.to_string(), "unit": channel.quantity.si_unit(), "unit_stored": channel.unit_stored,
-        "sha256": channel.sha256, "steps": motion.steps, "band": [band.0, band.1],
+}
+
+pub(super) fn record(a: &RecordArguments, json: bool) -> Result<Exit, Failure> {
+    let options = ReadOptions::default();
+    let mut looked = match &a.from {
+        Some(from) => Looked { recordings: vec![replay(from, &options)?], refused: vec![] },
+        None => look(&sources(a)?, &process(&a.process)?, &options)?,
+    };
+    let several = looked.recordings.len() > 1;
+    let mut told = Told::default();
+    for recording in std::mem::take(&mut looked.recordings) {
+        let measured = Measured::of(&recording);
+        let written = match &a.out {
+            Some(out) => {
+                let dir = if several { out.join(&recording.name) } else { out.clone() };
+                match write(&dir, &recording, &measured, a.write, &options) {
+                    Ok(written) => Some(written),
+                    Err(RecordError::Input(error)) => {
+                        let what = recording.name.clone();
+                        looked.refused.push(Refused { what, error: error.into() });
+                        continue;
+                    }
+                    Err(error) => return Err(error.into()),
+                }
+            }
+            None => None,
+        };
+        told.add(&recording, &measured, written);
+    }
+    let page = match &a.out {
+        Some(out) if several => Some(index(out, &told, &looked.refused)?),
+        _ => told.pages.first().cloned(),
+    };
+    told.print(&looked.refused, page.as_deref(), json)?;
+    Ok(if looked.refused.is_empty() { Exit::Fine } else { Exit::WrongInput })
+}
+
+/// What is told of the recordings in the end.
+#[derive(Default)]
+struct Told {
+    channels: Vec<Value>,
+    summaries: Vec<Value>,
+    pages: Vec<PathBuf>,
+    folders: Vec<String>,
+}
+
+impl Told {
+    fn add(&mut self, recording: &Recording, measured: &Measured, written: Option<Written>) {
+        self.channels.extend(recording.channel_summaries(measured));
+        self.folders.push(recording.name.clone());
+        match written {
+            Some(written) => {
+                self.pages.push(written.page);
+                self.summaries.push(written.summary);
+            }
+            None => self.summaries.push(recording.summary(measured)),
+        }
+    }
+
+    fn print(&self, refused: &[Refused], page: Option<&Path>, json: bool) -> Result<(), Failure> {
+        if json {
+            let mut value = json!({ "channels": self.channels, "recordings": self.summaries });
+            if let Some(page) = page {
+                value["page"] = json!(page);
+            }
+            if !refused.is_empty() {
+                value["refused"] =
+                    refused.iter().map(|r| json!({ "what": r.what, "error": r.to_string() })).collect();
+                let texts: Vec<String> = refused.iter().map(Refused::to_string).collect();
+                value["error"] = json!(texts.join("\n"));
+                value["exit"] = json!(Exit::WrongInput as u8);
+            }
+            print_json(&value)?;
+        } else {
+            print(&record_table::table(&self.summaries))?;
+            for summary in &self.summaries {
+                record_table::warnings(summary).iter().for_each(|line| tell(line));
+            }
+        }
+        refused.iter().for_each(|r| note(&r.to_string()));
+        if let (Some(page), false) = (page, json) {
+            print(&format!("{}\n", page.display()))?;
+        }
+        Ok(())
+    }
+}
+
+/// The page and the summary of a batch.
+fn index(out: &Path, told: &Told, refused: &[Refused]) -> Result<PathBuf, Failure> {
+    let rows: Vec<Row<'_>> =
+        (told.folders.iter().zip(&told.summaries)).map(|(folder, summary)| Row { folder, summary }).collect();
+    let refused: Vec<(String, String)> = refused.iter().map(|r| (r.what.clone(), r.to_string())).collect();
+    let all = json!({
+        "hati_version": env!("CARGO_PKG_VERSION"), "recordings": told.folders,
+        "refused": refused.iter().map(|(what, why)| json!({ "what": what, "error": why })).collect::<Vec<_>>(),
     });
-    if let (Some(value), Some(about)) = (value.as_object_mut(), about.as_object()) {
-        let measures = std::mem::take(value);
-        value.extend(about.clone());
-        value.extend(measures);
+    for name in ["records.json", "index.html"] {
+        expect_ours(out, name)?;
     }
-    Ok(value)
+    write_summary(&out.join("records.json"), &all)?;
+    write_index(out, &rows, &refused)?;
+    Ok(out.join("index.html"))
+}
+
+/// Refuses to replace a batch's file that is there without the `records.json` of an earlier batch.
+fn expect_ours(out: &Path, name: &str) -> Result<(), RecordError> {
+    let path = out.join(name);
+    let ours = std::fs::read(out.join("records.json"))
+        .ok()
+        .and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok())
+        .is_some_and(|value| value.get("hati_version").is_some());
+    if path.symlink_metadata().is_ok() && !ours {
+        return Err(RecordError::NotOurs { path, what: NOT_OURS });
+    }
+    Ok(())
+}
+
+/// The files with what was given for all of them.
+fn sources(a: &RecordArguments) -> Result<Vec<Source>, Failure> {
+    let unit = a.unit.as_deref().map(str::parse::<Unit>).transpose().map_err(Failure::input)?;
+    let response = a.metadata.as_ref().map(|metadata| Response {
+        mode: a.response.into(),
+        pre_filter: a.pre_filter,
+        ..Response::new(metadata)
+    });
+    let of = |file: &PathBuf| Source {
+        unit,
+        channel: a.channel.clone(),
+        dt: a.dt,
+        response: response.clone(),
+        ..Source::new(file)
+    };
+    Ok(a.files.iter().map(of).collect())
+}
+
+/// The steps asked for: by default the mean is taken off; `none`, alone, leaves the samples as they are.
+fn process(words: &[String]) -> Result<Vec<Process>, Failure> {
+    match words {
+        [] => Ok(vec![Process::Demean { first_seconds: None }]),
+        [none] if none.trim() == "none" => Ok(vec![]),
+        _ if words.iter().any(|word| word.trim() == "none") => {
+            Err(Failure::input("--process none: stands alone; leave it out, or leave the other steps out"))
+        }
+        _ => words.iter().map(|text| Process::parse(text).map_err(Failure::input)).collect(),
+    }
 }

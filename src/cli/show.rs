@@ -74,55 +74,6 @@ pub(super) fn summary(summary: &Value) -> String {
     text
 }
 
-/// A table of channels.
-pub(super) fn channels(channels: &[Value]) -> String {
-    let head = [
-        "channel",
-        "format",
-        "stored",
-        "npts",
-        "dt s",
-        "PGA m/s²",
-        "PGV m/s",
-        "PGD m",
-        "Arias m/s",
-        "CAV m/s",
-        "D5-95 s",
-        "band Hz",
-    ];
-    let text = |v: &Value| v.as_str().unwrap_or("").to_string();
-    let number = |v: &Value| v.as_f64().map_or_else(String::new, |x| format!("{x:.4e}"));
-    let rows: Vec<Vec<String>> = (channels.iter())
-        .map(|c| {
-            let mut row = vec![
-                text(&c["id"]),
-                text(&c["format"]),
-                text(&c["unit_stored"]),
-                c["npts"].to_string(),
-                c["dt"].to_string(),
-            ];
-            row.extend(["pga", "pgv", "pgd", "arias", "cav", "d5_95"].map(|k| number(&c[k])));
-            row.push(match (c["band"][0].as_f64(), c["band"][1].as_f64()) {
-                (Some(f_min), Some(f_max)) => format!("{f_min:.3}–{f_max:.2}"),
-                _ => String::new(),
-            });
-            row
-        })
-        .collect();
-    let width: Vec<usize> = (0..head.len())
-        .map(|i| {
-            rows.iter().map(|r| r[i].chars().count()).chain([head[i].chars().count()]).max().unwrap_or(0)
-        })
-        .collect();
-    let line = |cells: &[String]| {
-        let padded: Vec<String> = cells.iter().zip(&width).map(|(c, &w)| format!("{c:<w$}")).collect();
-        format!("{}\n", padded.join("  ").trim_end())
-    };
-    let mut table = line(&head.map(String::from));
-    rows.iter().for_each(|r| table.push_str(&line(r)));
-    table
-}
-
 /// Progress: a bar on a terminal, a line every ten seconds elsewhere.
 pub(super) struct Meter {
     bar: Option<ProgressBar>,

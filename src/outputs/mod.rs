@@ -30,6 +30,7 @@ mod locking;
 mod provenance;
 mod stations;
 
+pub(crate) use error::expect_room;
 pub use error::{OutputError, Room};
 pub use field::{FieldChunk, FieldWriter};
 pub(crate) use json::replace_bytes;

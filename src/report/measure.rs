@@ -1,6 +1,10 @@
 //! What the figures need of each trace beyond its samples: response spectrum, Husid curve, Fourier spectrum.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
 use hati_inputs::measures;
+use hati_inputs::motion::STANDARD_GRAVITY;
 
 use super::place;
 use crate::results::{SiteResponse, Trace};
@@ -19,6 +23,15 @@ pub(super) const BANDWIDTH: f64 = 40.0;
 pub(super) struct TraceMeasures {
     /// Pseudo-acceleration at [`periods`], m/s².
     pub(super) psa: Vec<f64>,
+    /// Pseudo-velocity at [`periods`], m/s.
+    pub(super) psv: Vec<f64>,
+    /// Largest relative displacement at [`periods`], m.
+    pub(super) sd: Vec<f64>,
+    /// Arias intensity, m/s.
+    pub(super) arias_intensity: f64,
+    /// Times of 5, 75 and 95 % of the Arias intensity from the first sample, s, where they are known better than
+    /// by the curve's own straight lines.
+    pub(super) times: Option<[f64; 3]>,
     /// Cumulative Arias intensity, 0 to 1.
     pub(super) husid: Vec<f64>,
     /// Frequencies of the Fourier spectrum, Hz.
@@ -36,7 +49,7 @@ pub(super) fn periods() -> Vec<f64> {
     measures::log_periods(0.01, 10.0, PERIODS)
 }
 
-/// Measures of all traces that are drawn, computed side by side.
+/// Measures of all traces of a run that are drawn.
 pub(super) fn of_all(data: &SiteResponse, periods: &[f64]) -> Vec<TraceMeasures> {
     let mut wanted = vec![false; data.traces.len()];
     for axis in 0..3 {
@@ -44,22 +57,29 @@ pub(super) fn of_all(data: &SiteResponse, periods: &[f64]) -> Vec<TraceMeasures>
             wanted[drawn.index] = true;
         }
     }
+    of_traces(&data.traces, &wanted, data.dt, periods)
+}
+
+/// Measures of the wanted ones of some traces with the step `dt` (s), computed side by side.
+pub(super) fn of_traces(traces: &[Trace], wanted: &[bool], dt: f64, periods: &[f64]) -> Vec<TraceMeasures> {
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut results = vec![TraceMeasures::default(); data.traces.len()];
-    let share = data.traces.len().div_ceil(workers).max(1);
+    let results: Vec<Mutex<TraceMeasures>> = traces.iter().map(|_| Mutex::default()).collect();
+    let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
-        let traces = data.traces.chunks(share).zip(wanted.chunks(share));
-        for ((traces, wanted), results) in traces.zip(results.chunks_mut(share)) {
-            scope.spawn(move || {
-                for ((trace, wanted), result) in traces.iter().zip(wanted).zip(results) {
+        for _ in 0..workers.min(traces.len()) {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let (Some(trace), Some(wanted)) = (traces.get(index), wanted.get(index)) else { break };
                     if *wanted {
-                        *result = of_trace(trace, data.dt, periods);
+                        let found = of_trace(trace, dt, periods);
+                        *results[index].lock().unwrap_or_else(PoisonError::into_inner) = found;
                     }
                 }
             });
         }
     });
-    results
+    results.into_iter().map(|m| m.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
 }
 
 fn of_trace(trace: &Trace, dt: f64, periods: &[f64]) -> TraceMeasures {
@@ -76,12 +96,23 @@ fn of_trace(trace: &Trace, dt: f64, periods: &[f64]) -> TraceMeasures {
     let duration = a.len() as f64 * dt;
     let centres = measures::log_periods(2.0 / duration, 0.5 / dt, CENTRES);
     let smoothed = measures::konno_ohmachi(&frequency, &amplitude, &centres, BANDWIDTH);
+    let spectrum = measures::response_spectrum(a, dt, periods, DAMPING);
     TraceMeasures {
-        psa: measures::psa(a, dt, periods, DAMPING),
+        psa: spectrum.psa,
+        psv: spectrum.psv,
+        sd: spectrum.sd,
+        arias_intensity: arias_intensity(a, dt),
+        times: None,
         husid: measures::husid(a, dt),
         frequency,
         amplitude,
         centres,
         smoothed,
     }
+}
+
+/// π/(2g) ∫a² dt by the trapezoidal rule, m/s.
+fn arias_intensity(a: &[f64], dt: f64) -> f64 {
+    let squares: f64 = a.windows(2).map(|pair| 0.5 * dt * (pair[0] * pair[0] + pair[1] * pair[1])).sum();
+    std::f64::consts::PI / (2.0 * STANDARD_GRAVITY) * squares
 }

@@ -14,6 +14,7 @@ mod measure;
 mod page;
 mod parameters;
 mod place;
+mod record;
 mod svg;
 mod table;
 mod tables;
@@ -22,6 +23,7 @@ mod value;
 use std::path::Path;
 
 pub(crate) use chart::{chart_figure, chart_page};
+pub(crate) use record::{Row, clear_record_figures, write_index, write_record_report};
 
 use figures::{Motion, Plate, View};
 use page::{Component, Entry};
@@ -74,17 +76,17 @@ fn entries(view: &View<'_>) -> Result<Vec<Entry>, OutputError> {
         entries.extend(plate.map(|plate| Entry { plate, heading, folded, words }));
     };
     let none = String::new;
-    add(figures::histories(view, Motion::Acceleration), "Time histories", false, none());
-    add(figures::histories(view, Motion::Velocity), "Velocity", true, none());
-    add(figures::histories(view, Motion::Displacement), "Displacement", true, none());
+    add(figures::histories(&view.traces, Motion::Acceleration, None), "Time histories", false, none());
+    add(figures::histories(&view.traces, Motion::Velocity, None), "Velocity", true, none());
+    add(figures::histories(&view.traces, Motion::Displacement, None), "Displacement", true, none());
     add(figures::profile(view), "With depth", false, none());
     add(figures::response_spectra(view), "Response spectra", false, none());
     add(figures::ratio(view), "Amplification", false, none());
     let laws = page::damping_laws(view);
     add(figures::transfer(view), "Transfer functions", false, laws);
     add(figures::section(view)?, "Waves in the column", false, none());
-    add(figures::husid(view), "Duration", false, none());
-    add(figures::fourier(view), "Fourier spectra", false, none());
+    add(figures::husid(&view.traces), "Duration", false, none());
+    add(figures::fourier(&view.traces), "Fourier spectra", false, none());
     Ok(entries)
 }
 

@@ -33,20 +33,9 @@ pub(super) struct Component {
     pub(super) entries: Vec<Entry>,
 }
 
-/// The whole page.
+/// The whole page of a run.
 pub(super) fn page(data: &SiteResponse, components: &[Component], ledger: Option<&Entry>) -> String {
-    let mut html = String::with_capacity(1 << 20);
-    let _ = write!(
-        html,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-         <meta name=\"color-scheme\" content=\"light dark\">\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
-         style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\
-         <title>{} — hati</title><style>{STYLE}</style></head><body><main>",
-        escape(&data.title)
-    );
-    html.push_str(&first_screen(data));
+    let mut html = first_screen(data);
     components_html(&mut html, components);
     if let Some(entry) = ledger {
         html.push_str("<section class=\"component\">");
@@ -59,11 +48,27 @@ pub(super) fn page(data: &SiteResponse, components: &[Component], ledger: Option
     html.push_str(&tables::plan(&data.summary));
     html.push_str(&tables::outputs(&data.summary));
     html.push_str("</section>");
+    let footer = format!("SI units; x and y horizontal, z up; depth positive down. {FIGURES_TOO}");
+    document(&data.title, &html, &footer)
+}
+
+/// Words of the footer on the figures' files.
+pub(super) const FIGURES_TOO: &str = "Each figure is also in <code>figures/</code> as SVG, with its numbers as CSV \
+                                      beside it. Point at a figure to read values.";
+
+/// A page of its own: title without markup, body and footer as HTML.
+pub(super) fn document(title: &str, body: &str, footer: &str) -> String {
+    let mut html = String::with_capacity(body.len() + (1 << 14));
     let _ = writeln!(
         html,
-        "</main><footer>SI units; x and y horizontal, z up; depth positive down. Each figure is also in \
-         <code>figures/</code> as SVG, with its numbers as CSV beside it. Point at a figure to read values.\
-         </footer><div id=\"readout\" hidden></div><script>{SCRIPT}</script></body></html>"
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+         <meta name=\"color-scheme\" content=\"light dark\">\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
+         style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\
+         <title>{} — hati</title><style>{STYLE}</style></head><body><main>{body}</main><footer>{footer}</footer>\
+         <div id=\"readout\" hidden></div><script>{SCRIPT}</script></body></html>",
+        escape(title)
     );
     html
 }
@@ -98,7 +103,8 @@ fn components_html(html: &mut String, components: &[Component]) {
     }
 }
 
-fn entry_html(html: &mut String, entry: &Entry) {
+/// A figure with its heading, its words and the links to its files.
+pub(super) fn entry_html(html: &mut String, entry: &Entry) {
     let plate = &entry.plate;
     let name = &plate.figure.name;
     if entry.folded {

@@ -17,6 +17,26 @@ const UNITS: [(&str, &str); 8] = [
     ("_1", ""),
 ];
 
+/// Units of the keys that steps of processing are written with.
+const STEP_KEYS: [(&str, &str); 16] = [
+    ("f_min", "Hz"),
+    ("f_max", "Hz"),
+    ("first_seconds", "s"),
+    ("start", "s"),
+    ("end", "s"),
+    ("from", "s"),
+    ("to", "s"),
+    ("before", "s"),
+    ("after", "s"),
+    ("dt", "s"),
+    ("angle", "°"),
+    ("pga", "m/s²"),
+    ("pgv", "m/s"),
+    ("sa", "m/s²"),
+    ("period", "s"),
+    ("seconds", "s"),
+];
+
 /// Entries that the list of channels already tells.
 const TOLD: [&str; 7] = ["sha256", "file", "id", "channel", "format", "unit_stored", "obspy"];
 
@@ -26,10 +46,16 @@ pub(super) fn step(step: &Value) -> String {
         Value::String(_) => show(Some(step)),
         _ => show(step.get("name")),
     };
-    match step.get("parameters").map(words).filter(|words| !words.is_empty()) {
-        Some(words) => format!("{name} <span class=\"quiet\">{words}</span>"),
-        None => name,
+    match numbers(step) {
+        words if words.is_empty() => name,
+        words => format!("{name} <span class=\"quiet\">{words}</span>"),
     }
+}
+
+/// A step's parameters and what came out, as HTML without markup of its own.
+pub(super) fn numbers(step: &Value) -> String {
+    let parts = ["parameters", "found"].into_iter().filter_map(|key| step.get(key)).map(words);
+    parts.filter(|words| !words.is_empty()).collect::<Vec<_>>().join(" → ")
 }
 
 fn words(parameters: &Value) -> String {
@@ -72,6 +98,9 @@ fn nested(step: &Value) -> String {
 }
 
 fn entry(key: &str, value: &Value) -> String {
+    if let (Some((_, unit)), Some(number)) = (STEP_KEYS.iter().find(|(k, _)| *k == key), value.as_f64()) {
+        return format!("{} {} {unit}", escape(&key.replace('_', " ")), significant(number, 4));
+    }
     let unit = UNITS.iter().find(|(ending, _)| key.ends_with(ending) && key.len() > ending.len());
     match (unit, value.as_f64()) {
         (Some((ending, unit)), Some(number)) => {

@@ -21,6 +21,13 @@ pub(super) const COLUMN: Stroke = Stroke::solid("#27323d", 1.7);
 /// Layer boundaries and other auxiliary lines.
 pub(super) const AUXILIARY: Stroke = Stroke::solid("#7b8794", 1.0).dashed("3 3");
 
+/// The components x, y, z of a recording.
+pub(super) const COMPONENTS: [Stroke; 3] = [
+    Stroke::solid("#c8452b", 1.7),
+    Stroke::solid("#1d5fa8", 1.4),
+    Stroke::solid("#2a8c6f", 1.5).dashed("6 2.5"),
+];
+
 /// Most traces in one figure.
 const MOST: usize = 7;
 

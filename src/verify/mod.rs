@@ -7,7 +7,10 @@
 mod accuracy;
 mod fixtures;
 mod frequency;
+mod matching;
+mod measures;
 mod motion;
+mod pair;
 mod stepping;
 
 use crate::run::RunError;
@@ -15,6 +18,7 @@ use serde::Serialize;
 use std::fmt;
 
 pub use fixtures::{accelerogram, scene_with, simulate};
+pub use pair::{pair_profile, surface_from_within};
 pub use stepping::standing_wave_error;
 
 /// One compared quantity.
@@ -92,8 +96,12 @@ const CASES: &[Case] = &[
     Case { name: "standing-wave", long: false, run: stepping::standing_wave },
     Case { name: "step-bound", long: false, run: stepping::step_bound },
     Case { name: "energy-ledger", long: false, run: stepping::energy_ledger },
+    Case { name: "borehole-pair", long: false, run: pair::borehole_pair },
     Case { name: "surface-pga", long: false, run: motion::surface_pga },
     Case { name: "deconvolution", long: false, run: motion::deconvolution },
+    Case { name: "spectra", long: false, run: measures::spectra },
+    Case { name: "intensity", long: false, run: measures::intensity },
+    Case { name: "matching", long: false, run: matching::matching },
     Case { name: "accuracy", long: false, run: accuracy::accuracy },
     Case { name: "accuracy-kinds", long: false, run: accuracy::accuracy_kinds },
     Case { name: "step-bound-million", long: true, run: stepping::step_bound_million },

@@ -26,13 +26,13 @@ fn a_file_where_the_folder_should_be() {
 }
 
 /// A disk in memory, gone with the value.
-struct SmallDisk {
-    folder: PathBuf,
+pub(crate) struct SmallDisk {
+    pub(crate) folder: PathBuf,
 }
 
 impl SmallDisk {
     /// Mounts it, or says why the test is skipped.
-    fn mount(folder: &Path, size: &str) -> Option<Self> {
+    pub(crate) fn mount(folder: &Path, size: &str) -> Option<Self> {
         let folder = folder.join(format!("disk-{size}"));
         std::fs::create_dir_all(&folder).expect("a folder");
         let mounted = cfg!(target_os = "linux")

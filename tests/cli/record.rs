@@ -12,18 +12,29 @@ fn acceleration() -> Vec<f64> {
 #[test]
 fn a_table_for_people() {
     let Some(python) = interpreter() else { return };
-    let answer = hati_with(python, fixtures(python).path(), &["record", "east.knet"]).exits(0);
-    assert_eq!(answer.stderr, "");
+    let fixtures = fixtures(python);
+    let arguments = ["record", "--process", "filter f_min=0.5 f_max=20", "east.knet", "acceleration.sac"];
+    let answer = hati_with(python, fixtures.path(), &arguments).exits(0);
     let lines: Vec<&str> = answer.stdout.lines().collect();
-    assert_eq!(lines.len(), 2, "{}", answer.stdout);
-    for head in
-        ["channel", "npts", "PGA m/s²", "PGV m/s", "PGD m", "Arias m/s", "CAV m/s", "D5-95 s", "band Hz"]
-    {
+    for head in ["channel", "stored in", "PGA m/s²", "PGV m/s", "PGD m", "Arias m/s", "D5-95 s", "band Hz"] {
         assert!(lines[0].contains(head), "{head}");
     }
-    for cell in ["HATI01", "K-NET", "2000", "0.01", "1.49"] {
-        assert!(lines[1].contains(cell), "{cell} in {}", lines[1]);
+    assert!(lines.iter().all(|line| line.chars().count() <= 100), "{}", answer.stdout);
+    for cell in [
+        "2000 samples, step 0.01 s, 20 s, from 2020-02-03T",
+        "  east.knet (K-NET)",
+        "  acceleration.sac (SAC)",
+        "filter f_min=0.5 f_max=20 order=4",
+        "nm/s2",
+        "1.49",
+    ] {
+        assert!(answer.stdout.contains(cell), "{cell} in {}", answer.stdout);
     }
+    // Numbers stand under the right end of their heads.
+    let end = lines[0].chars().take_while(|c| *c != '²').count();
+    let row = lines.iter().find(|line| line.starts_with("  x ")).expect("a row");
+    assert!(row.chars().nth(end).is_some_and(|c| c.is_ascii_digit()), "{}", answer.stdout);
+    assert_eq!(row.chars().nth(end + 1), Some(' '), "{}", answer.stdout);
 }
 
 #[test]
@@ -80,9 +91,71 @@ fn a_unit_can_be_given_and_a_missing_one_is_asked_for() {
     // 1e5 counts are 1 m/s² there, and one count is said to be 1e-9 m/s².
     let pga = number(&value, "/channels/0/pga");
     assert!((pga / 1.4917e-4 - 1.0).abs() < 1e-3, "{pga}");
+    // A unit that makes it no ground motion is taken, and said to be likely wrong.
+    hati_with(python, records, &["record", "counts.mseed", "--unit", "g"]).exits(0).tells(&[
+        "implausible",
+        "read in g",
+        "the unit is likely wrong",
+    ]);
     hati_with(python, records, &["record", "east.knet", "--unit", "furlong"])
         .exits(2)
         .tells(&["unknown unit", "cm/s2"]);
+}
+
+/// One bad file does not stop the others; the table tells what was found, the messages what was refused.
+#[test]
+fn a_batch_goes_on_past_what_is_refused() {
+    let Some(python) = interpreter() else { return };
+    let fixtures = fixtures(python);
+    let files = ["record", "gap.mseed", "east.knet", "no_such.sac", "pickle2.mseed", "acceleration.sac"];
+    let answer = hati_with(python, fixtures.path(), &files).exits(2);
+    assert_eq!(answer.stdout.matches(" samples, step ").count(), 2, "{}", answer.stdout);
+    let answer = answer.tells(&["gap of 0.5", "no_such.sac: no such file", "is a Python pickle"]);
+    assert_eq!(answer.stderr.matches("help:").count(), 3, "{}", answer.stderr);
+    let value = hati_with(python, fixtures.path(), &[&["--json"], &files[..]].concat()).exits(2).json();
+    assert_eq!(value["channels"].as_array().map(Vec::len), Some(2));
+    assert_eq!(value["recordings"].as_array().map(Vec::len), Some(2));
+    let refused: Vec<&str> =
+        value["refused"].as_array().expect("a list").iter().filter_map(|r| r["what"].as_str()).collect();
+    assert_eq!(refused, ["gap.mseed", "no_such.sac", "pickle2.mseed"]);
+    assert_eq!(value["exit"], 2);
+}
+
+/// The steps that are asked for are done in their order, and a step that cannot be done names the recording.
+#[test]
+fn steps_of_processing() {
+    let Some(python) = interpreter() else { return };
+    let fixtures = fixtures(python);
+    let records = fixtures.path();
+    let process = |steps: &[&str]| -> Vec<String> {
+        let words = steps.iter().flat_map(|s| ["--process".to_owned(), (*s).to_owned()]);
+        ["record", "--json", "east.knet"].map(str::to_owned).into_iter().chain(words).collect()
+    };
+    let run = |steps: &[&str]| {
+        let arguments = process(steps);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        hati_with(python, records, &arguments)
+    };
+    let names = |answer: &crate::program::Answer| -> Vec<String> {
+        let value = answer.json();
+        let steps = value["channels"][0]["steps"].as_array().expect("steps").clone();
+        steps.iter().skip(1).map(|s| s["name"].as_str().unwrap_or("").to_owned()).collect()
+    };
+    assert_eq!(names(&run(&[]).exits(0)), ["demean"]);
+    assert!(names(&run(&["none"]).exits(0)).is_empty());
+    let asked = ["trim from=2 to=12", "demean", "scale pga=3"];
+    let answer = run(&asked).exits(0);
+    assert_eq!(names(&answer), ["trim", "demean", "scale"]);
+    let value = answer.json();
+    assert!((number(&value, "/channels/0/pga") - 3.0).abs() < 1e-12);
+    assert_eq!(number(&value, "/recordings/0/npts"), 1001.0);
+    assert_eq!(number(&value, "/channels/0/npts"), 2000.0);
+    let warnings = value["recordings"][0]["warnings"].to_string();
+    assert!(warnings.contains("scaled by 2."), "{warnings}");
+    run(&["none", "demean"]).exits(2).tells(&["--process none: stands alone"]);
+    run(&["fliter f_min=1"]).exits(2).tells(&["fliter", "did you mean \"filter\"?"]);
+    run(&["filter f_min=60"]).exits(2).tells(&["HATI01", "f_min = 60", "Nyquist"]);
+    run(&["rotate angle=30"]).exits(2).tells(&["HATI01", "rotate"]);
 }
 
 #[test]

@@ -1,18 +1,8 @@
 //! El Centro 1940 NS through 20 m of 200 m/s on 1000 m/s, where the collection of references is at hand.
 
+use crate::shared;
 use hati::verify::{scene_with, simulate};
-use std::path::{Path, PathBuf};
-
-fn shared(inside: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("HATI_SHARED").map(PathBuf::from);
-    let root = root.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"));
-    let path = root.join(inside);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("SKIPPED: {} is not at hand (set HATI_SHARED)", path.display());
-    None
-}
+use std::path::Path;
 
 fn columns(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).unwrap();
@@ -35,14 +25,9 @@ fn surface_pga_and_history_of_the_uniform_layer() {
     // the record ends where its zero padding begins
     let end = input.iter().rposition(|a| a.abs() > 0.0).unwrap() + 1;
     let record = input[..end].to_vec();
-    let scene = scene_with(
-        SOIL,
-        "outcrop",
-        1e-3,
-        "band = \"full\"\noffset = \"none\"",
-        "[discretisation]\ntail = 10.0",
-    )
-    .unwrap();
+    let scene =
+        scene_with(SOIL, "outcrop", 1e-3, "band = \"full\"\nprocess = []", "[discretisation]\ntail = 10.0")
+            .unwrap();
     let (plan, run) = simulate(&scene, record, dt).unwrap();
     let g = 9.80665;
     let found = |place: &str| &run.recorder.traces.iter().find(|t| t.place == place).unwrap().acceleration;

@@ -12,7 +12,9 @@ fn notices(case: &str) {
 
 #[test]
 fn cases_of_the_frequency_domain_notice() {
-    ["uniform-layer", "three-layer-table", "three-layer-column", "damping-fit"].into_iter().for_each(notices);
+    ["uniform-layer", "three-layer-table", "three-layer-column", "damping-fit", "borehole-pair"]
+        .into_iter()
+        .for_each(notices);
 }
 
 #[test]
@@ -23,6 +25,11 @@ fn cases_of_the_time_loop_notice() {
 #[test]
 fn cases_with_an_accelerogram_notice() {
     ["surface-pga", "deconvolution"].into_iter().for_each(notices);
+}
+
+#[test]
+fn cases_of_records_notice() {
+    ["spectra", "intensity", "matching"].into_iter().for_each(notices);
 }
 
 #[test]
@@ -40,8 +47,12 @@ fn every_short_case_stands_in_one_of_these_tests() {
         "standing-wave",
         "step-bound",
         "energy-ledger",
+        "borehole-pair",
         "surface-pga",
         "deconvolution",
+        "spectra",
+        "intensity",
+        "matching",
         "accuracy",
         "accuracy-kinds",
         "step-bound-million",

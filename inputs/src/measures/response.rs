@@ -1,17 +1,16 @@
 //! Elastic response spectra.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::motion::{PAD_SECONDS, Spectrum};
+use super::ground::{Grounds, UPSAMPLING_LIMIT, upsampling};
+use super::oscillator::{Oscillator, peaks};
+use super::parallel;
 
-/// Steps per period of the oscillator at least, after interpolation.
-const STEPS_PER_PERIOD: f64 = 20.0;
-
-/// Largest factor of interpolation; shorter periods (T < 0.31 dt) follow the ground anyway.
-const UPSAMPLING_LIMIT: usize = 64;
+/// Oscillators that run side by side.
+const LANES: usize = 4;
 
 /// Peaks of linear oscillators on a moving base, one value per period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -26,6 +25,17 @@ pub struct ResponseSpectrum {
     pub psv: Vec<f64>,
     /// Largest relative displacement, m.
     pub sd: Vec<f64>,
+}
+
+impl ResponseSpectrum {
+    /// Period of the largest PSA, s: the predominant period of the motion at 5 % damping.
+    ///
+    /// As fine as the periods of the spectrum. 0 where there is no motion.
+    #[must_use]
+    pub fn predominant_period(&self) -> f64 {
+        let all = self.periods.iter().zip(&self.psa);
+        all.fold((0.0, 0.0), |best, (t, psa)| if *psa > best.1 { (*t, *psa) } else { best }).0
+    }
 }
 
 /// `n` periods (s) from `first` to `last`, equally spaced on a logarithmic axis, both ends included.
@@ -54,8 +64,8 @@ pub fn psa(acceleration: &[f64], dt: f64, periods: &[f64], damping: f64) -> Vec<
 /// record and over the free vibration after it.
 ///
 /// - `acceleration`: m/s², step `dt` (s); `periods` in s; `damping` ζ, 0 ≤ ζ < 1 (0.05 customary).
-/// - a period of 0 gives PSA = max |a| and PSV = SD = 0; negative periods, or a ζ out of its range,
-///   give NaN.
+/// - a period of 0 gives PSA = max |a| at the samples and PSV = SD = 0; negative periods, or a ζ out of
+///   its range, give NaN.
 ///
 /// The record is interpolated in the frequency domain by a power of two so that the step is at most
 /// T/20 (each power once, shared by its periods; 64 at most), then the recursion that is exact for
@@ -63,143 +73,120 @@ pub fn psa(acceleration: &[f64], dt: f64, periods: &[f64], damping: f64) -> Vec<
 /// harmonic f by sinc²(f dt′), 0.8 % at f = 1/T and dt′ = T/20; the points are therefore divided by
 /// that factor beforehand, so that the polygon carries the record's own amplitudes. Maxima between
 /// two points are taken from the cubic through displacement and velocity at both. Together the error
-/// on a steady sine is below 0.1 % for T/dt from 0.5 to 1000.
+/// on a steady sine is below 0.1 % for T/dt from 0.5 to 1000; on band-limited records against an
+/// oscillator driven at 64 points per sample and more it was 0.024 % at most (`hati verify spectra`).
+///
+/// Cost: about 1 ns per point and period, on all threads of the machine; memory 16 bytes per point of
+/// the finest polygon. The result does not depend on the number of threads.
 #[must_use]
 pub fn response_spectrum(acceleration: &[f64], dt: f64, periods: &[f64], damping: f64) -> ResponseSpectrum {
     let mut sd = vec![f64::NAN; periods.len()];
-    let valid = (0.0..1.0).contains(&damping) && dt > 0.0 && dt.is_finite();
+    let valid = is_valid(dt, damping);
     if valid && acceleration.len() > 1 {
-        let spectrum = Spectrum::of(acceleration, dt, PAD_SECONDS);
-        let mut k = 1;
-        while k <= UPSAMPLING_LIMIT {
-            let members: Vec<usize> = (0..periods.len())
-                .filter(|i| periods[*i] > 0.0 && upsampling(dt, periods[*i]) == k)
-                .collect();
-            if !members.is_empty() {
-                let ground = polygon(&spectrum, acceleration.len(), dt, k);
-                for i in members {
-                    sd[i] = Oscillator::new(periods[i], damping, dt / k as f64).peak(&ground);
-                }
+        let grounds = Grounds::new(&[acceleration], dt);
+        for (k, members) in by_upsampling(dt, periods) {
+            let corners = grounds.corners(k).swap_remove(0);
+            let step = dt / k as f64;
+            let batches: Vec<&[usize]> = members.chunks(LANES).collect();
+            let worth = corners.len() * members.len() > 1 << 17;
+            let found: Vec<[f64; LANES]> = parallel::each(&batches, worth, |batch| {
+                peaks(&side_by_side(batch, periods, damping, step), &corners)
+            });
+            for (batch, found) in batches.iter().zip(&found) {
+                batch.iter().zip(found).for_each(|(i, peak)| sd[*i] = *peak);
             }
-            k *= 2;
         }
     }
-    let pga = acceleration.iter().fold(0.0, |peak: f64, a| peak.max(a.abs()));
-    let mut result = ResponseSpectrum {
-        periods: periods.to_vec(),
-        damping,
-        psa: Vec::with_capacity(periods.len()),
-        psv: Vec::with_capacity(periods.len()),
-        sd,
-    };
-    for (i, &period) in periods.iter().enumerate() {
-        if period == 0.0 && valid {
-            result.sd[i] = 0.0;
-            result.psv.push(0.0);
-            result.psa.push(pga);
-        } else {
-            let omega = TAU / period;
-            result.psv.push(omega * result.sd[i]);
-            result.psa.push(omega * omega * result.sd[i]);
+    let pga = if valid { acceleration.iter().fold(0.0, |peak: f64, a| peak.max(a.abs())) } else { f64::NAN };
+    from_displacements(periods, damping, sd, pga)
+}
+
+/// Whether a step (s) and a damping ratio admit a spectrum.
+pub(super) fn is_valid(dt: f64, damping: f64) -> bool {
+    (0.0..1.0).contains(&damping) && dt > 0.0 && dt.is_finite()
+}
+
+/// Indices of the positive periods that share a factor of interpolation, the largest factor first.
+pub(super) fn by_upsampling(dt: f64, periods: &[f64]) -> Vec<(usize, Vec<usize>)> {
+    let mut groups = Vec::new();
+    let mut k = UPSAMPLING_LIMIT;
+    while k > 0 {
+        let members: Vec<usize> =
+            (0..periods.len()).filter(|i| periods[*i] > 0.0 && upsampling(dt, periods[*i]) == k).collect();
+        if !members.is_empty() {
+            groups.push((k, members));
         }
+        k /= 2;
     }
-    result
+    groups
 }
 
-/// Smallest power of two that brings the step to T/20 or below, within the limit.
-fn upsampling(dt: f64, period: f64) -> usize {
-    let wanted = STEPS_PER_PERIOD * dt / period;
-    let mut k = 1;
-    // Round-off of a period such as 20 dt must not double the work.
-    while (k as f64) < wanted * (1.0 - 1e-9) && k < UPSAMPLING_LIMIT {
-        k *= 2;
-    }
-    k
-}
-
-/// Corners of the polygon whose spectrum, inside the record's band, is that of the record.
-fn polygon(spectrum: &Spectrum, n: usize, dt: f64, k: usize) -> Vec<f64> {
-    let step = dt / k as f64;
-    let mut corners = spectrum.clone();
-    corners.apply(|f| {
-        let x = PI * f * step;
-        if x < 1e-9 { 1.0 } else { (x / x.sin()).powi(2) }
-    });
-    corners.periodic(0, k, (n - 1) * k + 1)
-}
-
-/// One step of an oscillator: `u' = uu u + uv v + u0 a + u1 a'`, `v'` likewise.
-struct Oscillator {
-    omega: f64,
+/// Oscillators of up to `N` of the periods; the last one fills what is left.
+pub(super) fn side_by_side<const N: usize>(
+    members: &[usize],
+    periods: &[f64],
     damping: f64,
     step: f64,
-    u: [f64; 4],
-    v: [f64; 4],
+) -> [Oscillator; N] {
+    std::array::from_fn(|lane| {
+        let member = members[lane.min(members.len() - 1)];
+        Oscillator::new(periods[member], damping, step)
+    })
 }
 
-impl Oscillator {
-    /// Coefficients of the exact step for a ground acceleration that is straight over `step` (s).
-    ///
-    /// Over one step the load is p(t) = p₀ + s t, p = −a. A particular solution is A + B t with
-    /// B = s/ω², A = (p₀ − 2ζω B)/ω²; the free vibration from (u − A, v − B) is added.
-    fn new(period: f64, damping: f64, step: f64) -> Self {
-        let omega = TAU / period;
-        let omega_d = omega * (1.0 - damping * damping).sqrt();
-        let decay = (-damping * omega * step).exp();
-        let (sin, cos) = (omega_d * step).sin_cos();
-        let (s, c) = (decay * sin / omega_d, decay * cos);
-        // Free vibration: u = (c + ζω s) u₀ + s v₀, v = −ω² s u₀ + (c − ζω s) v₀.
-        let uu = c + damping * omega * s;
-        let uv = s;
-        let vu = -omega * omega * s;
-        let vv = c - damping * omega * s;
-        let response = |p0: f64, p1: f64| {
-            let slope = (p1 - p0) / (step * omega * omega);
-            let start = p0 / (omega * omega) - 2.0 * damping * slope / omega;
-            let displacement = start + slope * step - uu * start - uv * slope;
-            let velocity = slope - vu * start - vv * slope;
-            (displacement, velocity)
+/// Spectrum from the largest displacements; `pga` (m/s²) is the limit of PSA at the period 0.
+pub(super) fn from_displacements(
+    periods: &[f64],
+    damping: f64,
+    mut sd: Vec<f64>,
+    pga: f64,
+) -> ResponseSpectrum {
+    let (mut psa, mut psv) = (Vec::with_capacity(sd.len()), Vec::with_capacity(sd.len()));
+    for (period, sd) in periods.iter().zip(&mut sd) {
+        if *period == 0.0 && !pga.is_nan() {
+            *sd = 0.0;
+            psv.push(0.0);
+            psa.push(pga);
+        } else {
+            let omega = TAU / period;
+            psv.push(omega * *sd);
+            psa.push(omega * omega * *sd);
+        }
+    }
+    ResponseSpectrum { periods: periods.to_vec(), damping, psa, psv, sd }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::oscillator::State;
+    use super::*;
+
+    /// Noise that grows, decays and stays away from zero at its end.
+    fn record(n: usize) -> Vec<f64> {
+        let mut seed = 7_u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
-        let (u0, v0) = response(-1.0, 0.0);
-        let (u1, v1) = response(0.0, -1.0);
-        Self { omega, damping, step, u: [uu, uv, u0, u1], v: [vu, vv, v0, v1] }
+        (0..n).map(|i| noise() * (1.0 + 3.0 * (i as f64 * 12.0 / n as f64).sin())).collect()
     }
 
-    /// max |u| from rest, over the ground motion and the free vibration after it.
-    fn peak(&self, ground: &[f64]) -> f64 {
-        let [uu, uv, u0, u1] = self.u;
-        let [vu, vv, v0, v1] = self.v;
-        let (mut u, mut v, mut peak) = (0.0_f64, 0.0_f64, 0.0_f64);
-        for pair in ground.windows(2) {
-            let next_u = uu * u + uv * v + (u0 * pair[0] + u1 * pair[1]);
-            let next_v = vu * u + vv * v + (v0 * pair[0] + v1 * pair[1]);
-            if v * next_v < 0.0 {
-                peak = peak.max(self.turning_point(u, v, next_u, next_v).abs());
+    #[test]
+    fn lanes_and_threads_agree_with_the_plain_recursion() {
+        let (dt, damping) = (0.01, 0.05);
+        // Long enough for threads, with a last block and a last batch that are not full.
+        let a = record(20_011);
+        let periods = log_periods(0.004, 12.0, 103);
+        let found = response_spectrum(&a, dt, &periods, damping);
+        let grounds = Grounds::new(&[&a], dt);
+        for (k, members) in by_upsampling(dt, &periods) {
+            let corners = grounds.corners(k).swap_remove(0);
+            for i in members {
+                let oscillator = Oscillator::new(periods[i], damping, dt / k as f64);
+                let mut state = State::default();
+                let peak = oscillator.peak(&corners, &mut state).max(oscillator.free_peak(state));
+                assert!((found.sd[i] / peak - 1.0).abs() < 1e-12, "T = {}", periods[i]);
             }
-            (u, v) = (next_u, next_v);
-            peak = peak.max(u.abs());
         }
-        peak.max(self.free_peak(u, v))
-    }
-
-    /// Displacement where the velocity vanishes inside a step: cubic through both ends.
-    fn turning_point(&self, u: f64, v: f64, next_u: f64, next_v: f64) -> f64 {
-        let t = v / (v - next_v);
-        let (a, b) = (1.0 - t, t);
-        u * a * a * (1.0 + 2.0 * b)
-            + next_u * b * b * (1.0 + 2.0 * a)
-            + self.step * a * b * (v * a - next_v * b)
-    }
-
-    /// First maximum of |u| in free vibration from (u, v).
-    fn free_peak(&self, u: f64, v: f64) -> f64 {
-        let decay = self.damping * self.omega;
-        let omega_d = self.omega * (1.0 - self.damping * self.damping).sqrt();
-        let mut angle = (v * omega_d).atan2(decay * v + self.omega * self.omega * u);
-        if angle < 0.0 {
-            angle += PI;
-        }
-        let amplitude = u * angle.cos() + (v + decay * u) / omega_d * angle.sin();
-        (amplitude * (-decay * angle / omega_d).exp()).abs()
     }
 }

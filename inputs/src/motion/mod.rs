@@ -3,15 +3,28 @@
 //! Every operation is deterministic and leaves a [`Step`] with its numbers. Frequencies in Hz, times
 //! in s, samples in SI. Between its samples a motion is band-limited: see [`resample_as`].
 
+mod filter;
+mod matching;
+mod process;
 mod processing;
 mod quantity;
+mod resampling;
+mod rest;
+mod scaling;
 mod spectrum;
 mod step;
+mod trend;
 
+pub(crate) use filter::{FILTER_ORDER, FILTER_ORDER_TO};
+pub(crate) use scaling::SCALING_DAMPING;
 pub(crate) use spectrum::Spectrum;
+pub(crate) use trend::TREND_ORDER_TO;
 
-pub use processing::Offset;
+pub use filter::Filter;
+pub use matching::Matching;
+pub use process::Process;
 pub use quantity::Quantity;
+pub use scaling::Scaling;
 pub use spectrum::{
     BandWindow, PAD_SECONDS, differentiate, integrate, padded_length, resample_as, upsample, usable_band,
 };

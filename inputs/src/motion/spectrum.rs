@@ -32,7 +32,7 @@ pub fn padded_length(n: usize, dt: f64, pad_seconds: f64) -> usize {
 }
 
 /// Smallest even `2^a 3^b 5^c` (a ≥ 1) not below `least`.
-fn even_5_smooth(least: usize) -> usize {
+pub(super) fn even_5_smooth(least: usize) -> usize {
     let mut best = least.max(2).next_power_of_two();
     let mut fives = 1;
     while fives < best {
@@ -62,7 +62,11 @@ pub(crate) struct Spectrum {
 impl Spectrum {
     /// Transform of `x` (step `dt`, s) followed by `pad_seconds` of zeros; `O(M log M)`.
     pub(crate) fn of(x: &[f64], dt: f64, pad_seconds: f64) -> Self {
-        let length = padded_length(x.len(), dt, pad_seconds);
+        Self::of_length(x, dt, padded_length(x.len(), dt, pad_seconds))
+    }
+
+    /// Transform of `x` (step `dt`, s) followed by zeros up to `length`, which is even.
+    pub(super) fn of_length(x: &[f64], dt: f64, length: usize) -> Self {
         let mut padded = vec![0.0; length];
         padded[..x.len()].copy_from_slice(x);
         let plan = RealFftPlanner::<f64>::new().plan_fft_forward(length);
@@ -132,6 +136,28 @@ impl Spectrum {
         out
     }
 
+    /// First `count` samples at the step with which `length` (even) samples fill the padded period.
+    ///
+    /// What lies above the new Nyquist frequency is dropped; the gain has to be zero there, or it is missed.
+    pub(super) fn at_length(&self, length: usize, count: usize) -> Vec<f64> {
+        let (half, new_half) = (self.length / 2, length / 2);
+        let mut bins = vec![Complex64::new(0.0, 0.0); new_half + 1];
+        for bin in 0..=half.min(new_half) {
+            bins[bin] = self.bins[bin] / self.length as f64;
+        }
+        if new_half > half {
+            // The Nyquist cosine: half of it stands on either side, as in `periodic`.
+            bins[half] *= 0.5;
+        }
+        bins[0].im = 0.0;
+        bins[new_half].im = 0.0;
+        let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
+        let mut out = plan.make_output_vec();
+        plan.process(&mut bins, &mut out).expect("buffers come from the plan, ends are real");
+        out.truncate(count);
+        out
+    }
+
     /// Value at t = 0 of the first antiderivative's periodic part (its mean is zero).
     fn antiderivative_at_start(&self) -> f64 {
         // The Nyquist cosine integrates to a sine, which is zero at t = 0.
@@ -160,7 +186,7 @@ fn count_upsampled(n: usize, k: usize) -> usize {
 /// `v = ā t + p₁(t) − p₁(0)`, `d = ā t²/2 − p₁(0) t + p₂(t) − p₂(0)`, so v(0) = d(0) = 0 exactly and
 /// v is the exact integral of the band-limited record from 0. Nothing is removed in secret: an
 /// offset of the acceleration appears as a drift of the velocity, as it does in the record. Remove it
-/// before (`Motion::remove_offset`, `Motion::band`) where the drift has no physical meaning.
+/// before ([`Process`](super::Process)) where the drift has no physical meaning.
 ///
 /// **Differentiation** (p > 0). The straight line from the first to the last sample is taken off
 /// before and its slope (p = 1) or nothing (p = 2) added after, so that a record that ends away from zero

@@ -16,13 +16,19 @@
 //! motion together with [`read_many`].
 
 mod checks;
+mod choice;
 mod formats;
 mod location;
 mod reader;
+mod response;
 mod unit;
+mod write;
 
 pub use crate::motion::Step;
+pub use choice::choose;
+pub use response::{Response, ResponseMode};
 pub use unit::Unit;
+pub use write::{FileFormat, Trace, encode};
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -32,9 +38,9 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use crate::error::InputError;
-use crate::motion::Quantity;
+use crate::motion::{Quantity, STANDARD_GRAVITY};
 use formats::{FORMATS, Recognition, RecordFormat, StoredUnit};
-use reader::{Answer, Reader, Segment};
+use reader::{Answer, Ground, Reader, Segment};
 
 /// Bounds on what is read, so that a damaged or crafted file costs an error and not the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,13 +92,17 @@ pub struct Source {
     pub unit: Option<Unit>,
     /// Read only this channel: its full id (`BO.AKT013..EW`) or the last part of it (`EW`).
     pub channel: Option<String>,
+    /// Time step, s, for a file that states none; a file that states another one is refused.
+    pub dt: Option<f64>,
+    /// Takes the instrument's response off, in place of a unit.
+    pub response: Option<Response>,
 }
 
 impl Source {
     /// A file of which all channels are read, with the unit of the options.
     #[must_use]
     pub fn new(location: impl Into<PathBuf>) -> Self {
-        Self { location: location.into(), unit: None, channel: None }
+        Self { location: location.into(), unit: None, channel: None, dt: None, response: None }
     }
 }
 
@@ -131,42 +141,110 @@ pub fn read(location: &Path, options: &ReadOptions) -> Result<Vec<Channel>, Inpu
     Ok(files.pop().unwrap_or_default())
 }
 
-/// A file whose bytes are in memory and whose format is known.
-struct Recognised<'a> {
-    source: &'a Source,
-    format: &'static RecordFormat,
-    content: Vec<u8>,
-}
-
 /// Reads several files in one process; one list of channels per source, in order.
 ///
 /// Each channel is converted to SI: stored value × factor, the factor from the user's unit or from the
-/// file (see [`ReadOptions::unit`]). Under the file's own unit the peak about the mean must be one that
-/// a ground motion can have ([`Quantity::plausible_peak`]).
+/// file (see [`ReadOptions::unit`]), or by its response ([`Source::response`]). Under the file's own unit
+/// the peak about the mean must be one that a ground motion can have ([`Quantity::plausible_peak`]).
 ///
 /// Errors: the first refusal in the order of the sources, each naming file, channel and remedy.
 pub fn read_many(sources: &[Source], options: &ReadOptions) -> Result<Vec<Vec<Channel>>, InputError> {
-    let limits = &options.limits;
+    read_each(sources, options)?.into_iter().collect()
+}
+
+/// As [`read_many`], but a file that is refused does not stop the others: one result per source.
+///
+/// Errors: only what stops all, such as a Python that is missing or a reader that took too long.
+pub fn read_each(
+    sources: &[Source],
+    options: &ReadOptions,
+) -> Result<Vec<Result<Vec<Channel>, InputError>>, InputError> {
     let mut process = None;
     let mut recognised = Vec::with_capacity(sources.len());
     for source in sources {
+        recognised.push(Recognised::of(source, &mut process, options));
+    }
+    // A Python that cannot be started stops the files that need it, and they say so themselves.
+    if recognised.iter().all(Result::is_err) {
+        return Ok(recognised.into_iter().map(|file| file.map(|_| Vec::new())).collect());
+    }
+    let requests: Vec<reader::Request<'_>> = recognised.iter().flatten().map(Recognised::request).collect();
+    let answers = match running(&mut process, options)?.read(&requests, &options.limits) {
+        Ok((version, answers)) => answers.into_iter().map(|answer| Ok((version.clone(), answer))).collect(),
+        // A file that brings the reader down must not take the others with it: each has a process of its own.
+        Err(InputError::ReaderFailed { .. } | InputError::ReaderTimeout { .. }) => {
+            recognised.iter().flatten().map(|file| file.alone(options)).collect::<Vec<_>>()
+        }
+        Err(error) => return Err(error),
+    };
+    let mut answers = answers.into_iter();
+    let finish = |file: Result<Recognised<'_>, InputError>| {
+        let file = file?;
+        let (version, answer) = answers.next().expect("one answer per request, checked by the reader")?;
+        channels(&file, answer, &version, options)
+    };
+    Ok(recognised.into_iter().map(finish).collect())
+}
+
+/// A file whose bytes are in memory; its format where its first bytes tell.
+struct Recognised<'a> {
+    source: &'a Source,
+    /// `None`: perhaps one of the text formats, whose plug-ins look for themselves.
+    format: Option<&'static RecordFormat>,
+    content: Vec<u8>,
+    /// Metadata and ObsPy's word for their format.
+    metadata: Option<(Vec<u8>, &'static str)>,
+}
+
+impl<'a> Recognised<'a> {
+    fn of(
+        source: &'a Source,
+        process: &mut Option<Reader>,
+        options: &ReadOptions,
+    ) -> Result<Self, InputError> {
+        let limit = options.limits.file_bytes;
         let content = match location::packaged(&source.location)? {
-            None => location::content(&source.location, limits.file_bytes)?,
+            None => location::content(&source.location, limit)?,
             Some(inner) => {
-                let root = running(&mut process, options)?.package_root()?;
-                location::content_packaged(&source.location, &root, &inner, limits.file_bytes)?
+                let root = running(process, options)?.package_root()?;
+                location::content_packaged(&source.location, &root, &inner, limit)?
             }
         };
         let format = recognise(&source.location, &content)?;
-        recognised.push(Recognised { source, format, content });
+        let unit = source.unit.or(options.unit);
+        if let (Some(response), Some(unit)) = (&source.response, unit) {
+            return Err(InputError::UnitAndResponse {
+                path: source.location.clone(),
+                unit: unit.to_string(),
+                metadata: response.metadata.clone(),
+            });
+        }
+        let metadata = source.response.as_ref().map(Response::load).transpose()?;
+        Ok(Self { source, format, content, metadata })
     }
-    if recognised.is_empty() {
-        return Ok(Vec::new());
+
+    /// What a process of its own says of this file.
+    fn alone(&self, options: &ReadOptions) -> Result<(String, Answer), InputError> {
+        let mut process = Reader::start(options.python.as_deref(), &options.limits)?;
+        match process.read(&[self.request()], &options.limits) {
+            Ok((version, mut answers)) => Ok((version, answers.remove(0))),
+            Err(InputError::ReaderFailed { problem, stderr, crashed: true, .. }) => {
+                Err(InputError::ReaderCrashed { path: self.source.location.clone(), problem, stderr })
+            }
+            Err(error) => Err(error),
+        }
     }
-    let files: Vec<(&str, &[u8])> =
-        recognised.iter().map(|file| (file.format.obspy, file.content.as_slice())).collect();
-    let (version, answers) = running(&mut process, options)?.read(&files, limits)?;
-    recognised.iter().zip(answers).map(|(file, answer)| channels(file, answer, &version, options)).collect()
+
+    fn request(&self) -> reader::Request<'_> {
+        let response = match (&self.source.response, &self.metadata) {
+            (Some(response), Some((content, format))) => {
+                Some((response.request(format, content.len()), content.as_slice()))
+            }
+            _ => None,
+        };
+        let format = self.format.map_or("", |format| format.obspy);
+        reader::Request { format, content: &self.content, response }
+    }
 }
 
 fn running<'a>(process: &'a mut Option<Reader>, options: &ReadOptions) -> Result<&'a mut Reader, InputError> {
@@ -176,27 +254,31 @@ fn running<'a>(process: &'a mut Option<Reader>, options: &ReadOptions) -> Result
     Ok(process.as_mut().expect("just started"))
 }
 
-/// The row of the format table that takes this content.
-fn recognise(path: &Path, content: &[u8]) -> Result<&'static RecordFormat, InputError> {
+/// The row of the format table that takes this content by its first bytes.
+fn recognise(path: &Path, content: &[u8]) -> Result<Option<&'static RecordFormat>, InputError> {
     if let Some((what, remedy)) = formats::refused(content) {
         return Err(InputError::FormatRefused { path: path.into(), what, remedy });
     }
     for format in &FORMATS {
         match (format.recognise)(content) {
             Recognition::No => {}
-            Recognition::Yes => return Ok(format),
-            Recognition::Broken(problem) => return Err(broken(path, format, problem)),
+            Recognition::Yes => return Ok(Some(format)),
+            Recognition::Broken(problem) => return Err(broken(path, format.name, problem)),
         }
     }
-    Err(InputError::FormatUnknown {
-        path: path.into(),
-        beginning: formats::beginning(content),
-        known: formats::known(),
-    })
+    match formats::is_text(content) {
+        true => Ok(None),
+        false => Err(unknown(path, content)),
+    }
 }
 
-fn broken(path: &Path, format: &RecordFormat, problem: String) -> InputError {
-    InputError::RecordBroken { path: path.into(), format: format.name, problem }
+fn unknown(path: &Path, content: &[u8]) -> InputError {
+    let beginning = formats::beginning(content);
+    InputError::FormatUnknown { path: path.into(), beginning, known: formats::known() }
+}
+
+fn broken(path: &Path, format: &'static str, problem: String) -> InputError {
+    InputError::RecordBroken { path: path.into(), format, problem }
 }
 
 /// The channels of one file, checked and converted.
@@ -206,18 +288,34 @@ fn channels(
     obspy: &str,
     options: &ReadOptions,
 ) -> Result<Vec<Channel>, InputError> {
-    let (path, format) = (file.source.location.as_path(), file.format);
-    let (segments, warnings) = match answer {
-        Answer::Segments { segments, warnings } => (segments, warnings),
-        Answer::Refused(problem) => return Err(broken(path, format, problem)),
+    let path = file.source.location.as_path();
+    let by_word = |word: &str| FORMATS.iter().find(|format| format.obspy == word);
+    let (format, segments, warnings) = match answer {
+        Answer::Segments { format, segments, warnings } => (by_word(&format), segments, warnings),
+        Answer::Refused { format, problem, remedy } => {
+            let (path, format) = (path.into(), by_word(&format).map_or("text", |format| format.name));
+            return Err(match remedy {
+                Some(remedy) => InputError::RecordRefused { path, format, problem, remedy },
+                None => InputError::RecordBroken { path, format, problem },
+            });
+        }
         Answer::TooMany(samples) => {
             let (path, limit) = (path.into(), options.limits.samples);
             return Err(InputError::TooManySamples { path, samples, limit });
         }
+        Answer::Unknown => return Err(unknown(path, &file.content)),
+        Answer::NoPlugIns(reason) => {
+            return Err(InputError::PlugInsMissing { path: path.into(), reason });
+        }
+    };
+    // A word that the table lacks is a reader of another version.
+    let Some(format) = format else {
+        let reason = "they name a format that this program does not know".into();
+        return Err(InputError::PlugInsMissing { path: path.into(), reason });
     };
     let damaged = |text: &&String| format.damage.iter().any(|category| text.starts_with(category));
     if let Some(warning) = warnings.iter().find(damaged) {
-        return Err(broken(path, format, warning.clone()));
+        return Err(broken(path, format.name, warning.clone()));
     }
     let mut groups: Vec<(String, Vec<Segment>)> = Vec::new();
     for segment in segments {
@@ -236,16 +334,30 @@ fn channels(
         }
     }
     if groups.is_empty() {
-        return Err(broken(path, format, "it holds no samples".into()));
+        return Err(broken(path, format.name, "it holds no samples".into()));
     }
-    let sha256 = Sha256::digest(&file.content).iter().map(|byte| format!("{byte:02x}")).collect();
-    let origin = Origin { file, sha256, obspy, warnings, options };
+    let sha256 = sha256(&file.content);
+    let origin = Origin { file, format, sha256, obspy, warnings, options };
     groups.into_iter().map(|(_, members)| origin.channel(members)).collect()
+}
+
+/// What a header may say of its samples that a user should see beside them.
+const FACTS: [&str; 8] =
+    ["title", "corrected", "filter", "left_out", "sense", "azimuth_deg", "peak_stated", "npts_stated"];
+
+/// The unit of a vertical channel that counts downwards, turned so that z is up.
+fn upward(mut unit: StoredUnit, whole: &Segment) -> StoredUnit {
+    if whole.text("sense") == Some("down") {
+        unit.factor = -unit.factor;
+        unit.text.push_str(", positive down");
+    }
+    unit
 }
 
 /// What the channels of one file have in common.
 struct Origin<'a> {
     file: &'a Recognised<'a>,
+    format: &'static RecordFormat,
     sha256: String,
     obspy: &'a str,
     warnings: Vec<String>,
@@ -254,14 +366,22 @@ struct Origin<'a> {
 
 impl Origin<'_> {
     fn channel(&self, members: Vec<Segment>) -> Result<Channel, InputError> {
-        let (path, format) = (self.file.source.location.as_path(), self.file.format);
-        let whole = checks::join(path, members)?;
+        let (path, format) = (self.file.source.location.as_path(), self.format);
+        let mut whole = checks::join(path, members)?;
+        self.time_step(&mut whole)?;
         checks::sound(path, &whole, self.options.accept_clipped)?;
-        (format.consistent)(&whole).map_err(|problem| broken(path, format, problem))?;
+        (format.consistent)(&whole).map_err(|problem| broken(path, format.name, problem))?;
 
+        let removed = self.removed_response(&mut whole)?;
         let given = self.file.source.unit.or(self.options.unit);
-        let unit = self.unit(&whole, given)?;
-        let samples: Vec<f64> = whole.samples.iter().map(|value| value * unit.factor).collect();
+        let unit = match &removed {
+            Some((_, about)) => response::unit(about).ok_or_else(|| self.response_refused(&whole, "", ""))?,
+            None => upward(self.unit(&whole, given)?, &whole),
+        };
+        let samples: Vec<f64> = match &removed {
+            Some((ground, _)) => ground.clone(),
+            None => whole.samples.iter().map(|value| value * unit.factor).collect(),
+        };
         if given.is_none() {
             self.plausible(&whole, &unit, &samples)?;
         }
@@ -273,18 +393,131 @@ impl Origin<'_> {
                 expected,
             });
         }
+        let mut unit_step = self.unit_step(&whole, &unit, given, removed.as_ref());
+        if let Some(sign) = gravity(unit.quantity, &samples) {
+            unit_step.found.insert("gravity_g".into(), json!(sign));
+        }
+        let steps = vec![self.read_step(&whole), unit_step];
+        Ok(Channel {
+            file: path.into(),
+            format: format.name,
+            start: (whole.start_ns != 0).then_some(whole.start_ns as f64 * 1e-9),
+            dt: whole.dt,
+            samples,
+            quantity: unit.quantity,
+            unit_stored: unit.text,
+            axis_hint: axis_hint(&whole),
+            steps,
+            sha256: self.sha256.clone(),
+            id: whole.id,
+        })
+    }
+
+    /// The step that was given, for a file that states none.
+    fn time_step(&self, whole: &mut Segment) -> Result<(), InputError> {
+        let (path, channel) = (self.file.source.location.clone(), whole.id.clone());
+        let stated = whole.flag("dt_stated") != Some(false);
+        match self.file.source.dt {
+            None if stated => {}
+            None => return Err(InputError::StepMissing { path, channel }),
+            Some(given) if !(given.is_finite() && given > 0.0) => {
+                return Err(InputError::BadStep { path, channel, dt: given });
+            }
+            Some(given) if stated && (given - whole.dt).abs() > 1e-6 * whole.dt => {
+                return Err(InputError::StepContradicts { path, channel, stated: whole.dt, given });
+            }
+            Some(given) => whole.dt = given,
+        }
+        Ok(())
+    }
+
+    /// Ground motion in SI and the account of how it came about, where a response was to be removed.
+    fn removed_response(
+        &self,
+        whole: &mut Segment,
+    ) -> Result<Option<(Vec<f64>, serde_json::Value)>, InputError> {
+        if self.file.source.response.is_none() {
+            return Ok(None);
+        }
+        match whole.ground.take() {
+            Some(Ground::Removed { samples, about }) => {
+                let finite = samples.iter().all(|value| value.is_finite());
+                if !finite {
+                    let problem = "the division by the response gave values that are not finite";
+                    return Err(self.response_refused(whole, problem, "give a narrower pre_filter"));
+                }
+                // Poles and zeros often do not say whose they are: the channel's code then tells.
+                let quantity = response::unit(&about).map(|unit| unit.quantity);
+                if let (Some(instrument), Some(Quantity::Velocity)) = (instrument(&whole.channel), quantity)
+                    && instrument == ACCELEROMETER
+                {
+                    let code = &whole.channel;
+                    let problem = format!("it is of velocity, but its code {code} is that of {instrument}");
+                    return Err(self.response_refused(whole, &problem, "give the metadata of this channel"));
+                }
+                Ok(Some((samples, about)))
+            }
+            Some(Ground::Refused { problem, remedy }) => Err(self.response_refused(whole, &problem, &remedy)),
+            None => {
+                let problem = "the channel comes in several pieces";
+                Err(self.response_refused(whole, problem, "join the pieces, or cut one out"))
+            }
+        }
+    }
+
+    fn response_refused(&self, whole: &Segment, problem: &str, remedy: &str) -> InputError {
+        let metadata = self.file.source.response.as_ref().map(|response| response.metadata.clone());
+        InputError::ResponseRefused {
+            path: self.file.source.location.clone(),
+            metadata: metadata.unwrap_or_default(),
+            problem: if problem.contains(&whole.id) {
+                problem.into()
+            } else {
+                format!("{}: {problem}", whole.id)
+            },
+            remedy: remedy.into(),
+        }
+    }
+
+    fn read_step(&self, whole: &Segment) -> Step {
         let mut read = json!({
-            "format": format.name, "obspy": self.obspy, "samples": samples.len(), "dt_s": whole.dt,
+            "format": self.format.name, "obspy": self.obspy, "samples": whole.samples.len(), "dt_s": whole.dt,
         });
+        if self.file.source.dt.is_some() {
+            read["dt_given_by"] = json!("user");
+        }
         if !self.warnings.is_empty() {
             read["warnings"] = json!(self.warnings);
         }
-        let by = if given.is_some() { "user" } else { "file" };
+        let facts = FACTS.iter().filter_map(|key| Some((key.to_string(), whole.header.get(*key)?.clone())));
+        Step::new("read", read).with_found(serde_json::Value::Object(facts.collect()))
+    }
+
+    fn unit_step(
+        &self,
+        whole: &Segment,
+        unit: &StoredUnit,
+        given: Option<Unit>,
+        removed: Option<&(Vec<f64>, serde_json::Value)>,
+    ) -> Step {
+        let by = match (removed, given) {
+            (Some(_), _) => "metadata",
+            (None, Some(_)) => "user",
+            (None, None) => "file",
+        };
+        let stored = if given.is_some() { self.format.stored } else { unit.text.as_str() };
         let mut convert = json!({
-            "stored": if given.is_some() { format.stored } else { unit.text.as_str() },
-            "given_by": by, "unit": unit.text, "quantity": unit.quantity,
+            "stored": stored, "given_by": by, "unit": unit.text, "quantity": unit.quantity,
             "factor_to_si": unit.factor, "si": unit.quantity.si_unit(),
         });
+        if let (Some((_, about)), Some(response)) = (removed, &self.file.source.response) {
+            convert["factor_to_si"] = serde_json::Value::Null;
+            convert["metadata_file"] = json!(response.metadata);
+            if let Some((content, _)) = &self.file.metadata {
+                convert["metadata_sha256"] = json!(sha256(content));
+            }
+            convert["response"] = about.clone();
+        }
         if given.is_some()
             && let Some(calib) = whole.calib.filter(|calib| *calib != 1.0)
         {
@@ -293,19 +526,7 @@ impl Origin<'_> {
         if let Some(instrument) = instrument(&whole.channel) {
             convert["instrument_by_code"] = json!(instrument);
         }
-        Ok(Channel {
-            id: whole.id,
-            file: path.into(),
-            format: format.name,
-            start: (whole.start_ns != 0).then_some(whole.start_ns as f64 * 1e-9),
-            dt: whole.dt,
-            samples,
-            quantity: unit.quantity,
-            unit_stored: unit.text,
-            axis_hint: axis_hint(&whole.channel),
-            steps: vec![Step::new("read", read), Step::new("unit", convert)],
-            sha256: self.sha256.clone(),
-        })
+        Step::new("unit", convert)
     }
 
     /// The user's unit, else the file's.
@@ -317,7 +538,7 @@ impl Origin<'_> {
                 factor: unit.factor(),
             });
         }
-        (self.file.format.unit)(whole).map_err(|reason| InputError::UnitMissing {
+        (self.format.unit)(whole).map_err(|reason| InputError::UnitMissing {
             path: self.file.source.location.clone(),
             channel: whole.id.clone(),
             reason,
@@ -346,14 +567,40 @@ impl Origin<'_> {
     }
 }
 
-/// Axis by a channel's name: `EW`, `EW1`, `HNE`, `x` → 0; north → 1; `UD2`, `HNZ` → 2.
-fn axis_hint(channel: &str) -> Option<usize> {
+/// Relative distance from 1 g within which the mean of an accelerogram is called gravity.
+const GRAVITY_TOLERANCE: f64 = 0.05;
+
+/// The sign of the gravity that an acceleration (m/s²) carries: its mean is within 5 % of ±1 g.
+pub(crate) fn gravity(quantity: Quantity, samples: &[f64]) -> Option<f64> {
+    let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
+    let off = (mean.abs() - STANDARD_GRAVITY).abs() / STANDARD_GRAVITY;
+    (quantity == Quantity::Acceleration && off <= GRAVITY_TOLERANCE).then_some(mean.signum())
+}
+
+fn sha256(content: &[u8]) -> String {
+    Sha256::digest(content).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Axis by the file's own direction (vertical, or an azimuth within 1° of east or north), else by the
+/// channel's name: `EW`, `EW1`, `HNE`, `x` → 0; north → 1; `UD2`, `HNZ` → 2.
+fn axis_hint(whole: &Segment) -> Option<usize> {
+    if whole.flag("vertical") == Some(true) {
+        return Some(2);
+    }
+    if let Some(azimuth) = whole.number("azimuth_deg") {
+        let away = |direction: f64| ((azimuth - direction + 180.0).rem_euclid(360.0) - 180.0).abs();
+        return [90.0, 0.0].into_iter().position(|direction| away(direction) <= 1.0);
+    }
+    axis_by_name(&whole.channel)
+}
+
+fn axis_by_name(channel: &str) -> Option<usize> {
     let name = channel.trim().to_ascii_uppercase();
     // KiK-net numbers its sensors: EW1 in the borehole, EW2 at the surface.
     match name.trim_end_matches(['1', '2']) {
         "EW" => return Some(0),
         "NS" => return Some(1),
-        "UD" => return Some(2),
+        "UD" | "UP" => return Some(2),
         _ => {}
     }
     match name.chars().last()? {
@@ -364,6 +611,9 @@ fn axis_hint(channel: &str) -> Option<usize> {
     }
 }
 
+/// What [`instrument`] says of the code letter N.
+const ACCELEROMETER: &str = "an accelerometer";
+
 /// The instrument that a three-letter SEED channel code names, by its second letter.
 fn instrument(channel: &str) -> Option<&'static str> {
     let mut letters = channel.trim().chars();
@@ -371,7 +621,7 @@ fn instrument(channel: &str) -> Option<&'static str> {
     match second {
         _ if letters.next().is_some() => None,
         'H' | 'L' => Some("a velocity seismometer"),
-        'N' => Some("an accelerometer"),
+        'N' => Some(ACCELEROMETER),
         _ => None,
     }
 }

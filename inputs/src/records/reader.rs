@@ -6,7 +6,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -40,6 +40,17 @@ pub(crate) struct Segment {
     pub(crate) calib: Option<f64>,
     pub(crate) header: Map<String, Value>,
     pub(crate) samples: Vec<f64>,
+    /// Ground motion with the instrument's response taken off, where that was asked for.
+    pub(crate) ground: Option<Ground>,
+}
+
+/// What became of a response that was to be removed.
+#[derive(Debug, Clone)]
+pub(crate) enum Ground {
+    /// Samples in SI, and the settings and numbers of the removal.
+    Removed { samples: Vec<f64>, about: Value },
+    /// Why not, and what to do.
+    Refused { problem: String, remedy: String },
 }
 
 impl Segment {
@@ -47,13 +58,44 @@ impl Segment {
     pub(crate) fn number(&self, key: &str) -> Option<f64> {
         self.header.get(key).and_then(Value::as_f64)
     }
+
+    /// A text of the file's own header.
+    pub(crate) fn text(&self, key: &str) -> Option<&str> {
+        self.header.get(key).and_then(Value::as_str)
+    }
+
+    /// A flag of the file's own header.
+    pub(crate) fn flag(&self, key: &str) -> Option<bool> {
+        self.header.get(key).and_then(Value::as_bool)
+    }
 }
 
-/// What one file gave.
+/// What one file gave; `format` is the reader's word for the format that took it.
 pub(super) enum Answer {
-    Segments { segments: Vec<Segment>, warnings: Vec<String> },
-    Refused(String),
+    Segments {
+        format: String,
+        segments: Vec<Segment>,
+        warnings: Vec<String>,
+    },
+    Refused {
+        format: String,
+        problem: String,
+        remedy: Option<String>,
+    },
     TooMany(u64),
+    /// No text format knows the content.
+    Unknown,
+    /// The plug-ins for text formats are not installed.
+    NoPlugIns(String),
+}
+
+/// One file as it goes to the reader.
+pub(super) struct Request<'a> {
+    /// The reader's word for the format; empty: let the plug-ins look.
+    pub(super) format: &'a str,
+    pub(super) content: &'a [u8],
+    /// What to do with the metadata, and their bytes.
+    pub(super) response: Option<(Value, &'a [u8])>,
 }
 
 #[derive(Deserialize)]
@@ -67,14 +109,32 @@ struct SegmentHeader {
     end_utc: String,
     calib: Option<f64>,
     header: Map<String, Value>,
+    response: Option<Value>,
 }
 
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum AnswerHeader {
-    Channels { channels: Vec<SegmentHeader>, warnings: Vec<String> },
-    Refused { error: String },
-    TooMany { too_many: u64 },
+    Channels {
+        format: String,
+        channels: Vec<SegmentHeader>,
+        warnings: Vec<String>,
+    },
+    Refused {
+        format: String,
+        error: String,
+        remedy: Option<String>,
+    },
+    TooMany {
+        too_many: u64,
+    },
+    Unknown {
+        #[serde(rename = "unknown")]
+        _unknown: bool,
+    },
+    NoPlugIns {
+        readers: String,
+    },
 }
 
 #[derive(Deserialize)]
@@ -146,52 +206,102 @@ impl Reader {
         }
     }
 
-    /// Segments of several files, each given by ObsPy's format word and its content; and ObsPy's
-    /// version.
+    /// Segments of several files, and ObsPy's version.
     pub(super) fn read(
         &mut self,
-        files: &[(&str, &[u8])],
+        files: &[Request<'_>],
         limits: &Limits,
     ) -> Result<(String, Vec<Answer>), InputError> {
-        let entries: Vec<Value> =
-            files.iter().map(|(format, content)| json!({"format": format, "bytes": content.len()})).collect();
+        let entry = |file: &Request<'_>| {
+            let response = file.response.as_ref().map(|(request, _)| request);
+            json!({"format": file.format, "bytes": file.content.len(), "response": response})
+        };
+        let entries: Vec<Value> = files.iter().map(entry).collect();
         let request = json!({
             "op": "read", "files": entries, "max_samples": limits.samples,
             "max_segments": SEGMENT_LIMIT, "memory_bytes": limits.memory_bytes,
         });
-        let contents: Vec<&[u8]> = files.iter().map(|(_, content)| *content).collect();
+        let metadata = |file: &Request<'_>| file.response.as_ref().map_or(Vec::new(), |(_, m)| m.to_vec());
+        let metadata: Vec<Vec<u8>> = files.iter().map(metadata).collect();
+        let contents = files.iter().zip(&metadata).flat_map(|(file, metadata)| [file.content, metadata]);
+        let contents: Vec<&[u8]> = contents.collect();
         let reply = self.ask(&request, &contents)?;
         let reply: ReadReply = serde_json::from_value(reply)
             .map_err(|error| self.failed(format!("its answer is not understood: {error}")))?;
         if reply.files.len() != files.len() {
             return Err(self.failed("it answered for another number of files".into()));
         }
-        let answers = reply.files.into_iter().map(|answer| match answer {
-            AnswerHeader::Refused { error } => Ok(Answer::Refused(error)),
-            AnswerHeader::TooMany { too_many } => Ok(Answer::TooMany(too_many)),
-            AnswerHeader::Channels { channels, warnings } => {
+        let answers: Result<Vec<_>, _> =
+            reply.files.into_iter().map(|answer| self.answer(answer, limits)).collect();
+        Ok((reply.obspy, answers?))
+    }
+
+    fn answer(&mut self, header: AnswerHeader, limits: &Limits) -> Result<Answer, InputError> {
+        Ok(match header {
+            AnswerHeader::Refused { format, error, remedy } => {
+                Answer::Refused { format, problem: error, remedy }
+            }
+            AnswerHeader::TooMany { too_many } => Answer::TooMany(too_many),
+            AnswerHeader::Unknown { .. } => Answer::Unknown,
+            AnswerHeader::NoPlugIns { readers } => Answer::NoPlugIns(readers),
+            AnswerHeader::Channels { format, channels, warnings } => {
                 let total = channels.iter().fold(0_u64, |sum, c| sum.saturating_add(c.npts));
                 if total > limits.samples {
                     return Err(self.failed(format!("it announced {total} samples")));
                 }
                 let segments: Result<_, _> =
                     channels.into_iter().map(|header| self.segment(header)).collect();
-                Ok(Answer::Segments { segments: segments?, warnings })
+                Answer::Segments { format, segments: segments?, warnings }
             }
-        });
-        let answers: Result<Vec<_>, _> = answers.collect();
-        Ok((reply.obspy, answers?))
+        })
+    }
+
+    /// Files of the samples in the blocks, as ObsPy writes them.
+    pub(super) fn write(
+        &mut self,
+        format: &str,
+        traces: &[Value],
+        blocks: &[Vec<u8>],
+        limit: u64,
+    ) -> Result<Vec<Vec<u8>>, InputError> {
+        let request = json!({"op": "write", "format": format, "traces": traces});
+        let blocks: Vec<&[u8]> = blocks.iter().map(Vec::as_slice).collect();
+        let reply = self.ask(&request, &blocks)?;
+        let sizes: Option<Vec<u64>> =
+            reply["bytes"].as_array().map(|sizes| sizes.iter().filter_map(Value::as_u64).collect());
+        let Some(sizes) = sizes.filter(|sizes| sizes.iter().sum::<u64>() <= limit) else {
+            return Err(self.failed("its answer to what it was to write is not understood".into()));
+        };
+        sizes.into_iter().map(|size| self.block(size as usize)).collect()
+    }
+
+    fn block(&mut self, size: usize) -> Result<Vec<u8>, InputError> {
+        let mut bytes = vec![0_u8; size];
+        match self.stdout.read_exact(&mut bytes) {
+            Ok(()) => Ok(bytes),
+            Err(_) => Err(self.failed("it ended before all it announced had come".into())),
+        }
+    }
+
+    fn samples(&mut self, count: u64) -> Result<Vec<f64>, InputError> {
+        let bytes = self.block(count as usize * 8)?;
+        let number = |chunk: &[u8]| f64::from_le_bytes(chunk.try_into().expect("chunks of 8"));
+        Ok(bytes.chunks_exact(8).map(number).collect())
     }
 
     fn segment(&mut self, header: SegmentHeader) -> Result<Segment, InputError> {
-        let mut bytes = vec![0_u8; header.npts as usize * 8];
-        self.stdout
-            .read_exact(&mut bytes)
-            .map_err(|_| self.failed("it ended before all samples had come".into()))?;
-        let samples = bytes
-            .chunks_exact(8)
-            .map(|chunk| f64::from_le_bytes(chunk.try_into().expect("chunks of 8")))
-            .collect();
+        let samples = self.samples(header.npts)?;
+        let ground = match header.response {
+            None => None,
+            Some(about) => {
+                let samples = self.samples(header.npts)?;
+                let text = |key: &str| about[key].as_str().unwrap_or_default().to_string();
+                Some(match about.get("refused") {
+                    Some(_) => Ground::Refused { problem: text("refused"), remedy: text("remedy") },
+                    None => Ground::Removed { samples, about },
+                })
+            }
+        };
         Ok(Segment {
             id: header.id,
             channel: header.channel,
@@ -202,6 +312,7 @@ impl Reader {
             calib: header.calib,
             header: header.header,
             samples,
+            ground,
         })
     }
 
@@ -246,11 +357,13 @@ impl Reader {
             let seconds = self.limit.as_secs_f64();
             return InputError::ReaderTimeout { python, seconds, stderr };
         }
-        InputError::ReaderFailed { python, problem: format!("{problem} ({status})"), stderr }
+        let crashed = status.is_some_and(|status| status.code().is_none());
+        let status = status.map_or("state unknown".into(), |status| status.to_string());
+        InputError::ReaderFailed { python, problem: format!("{problem} ({status})"), stderr, crashed }
     }
 
     /// Ends the child (it has a moment to go by itself) and says how it ended.
-    fn stop(&mut self) -> String {
+    fn stop(&mut self) -> Option<ExitStatus> {
         self.stdin = None;
         let mut status = None;
         for _ in 0..100 {
@@ -272,7 +385,7 @@ impl Reader {
             let _ = done.send(());
             let _ = thread.join();
         }
-        status.map_or("state unknown".into(), |status| status.to_string())
+        status
     }
 }
 

@@ -62,6 +62,22 @@ impl Value {
             Self::Broken => "a broken value".to_owned(),
         }
     }
+
+    /// The same value in JSON; a date or a broken value is null.
+    pub(super) fn to_json(&self) -> serde_json::Value {
+        match self {
+            Self::String(s) => s.as_str().into(),
+            Self::Integer(i) => (*i).into(),
+            Self::Float(x) => (*x).into(),
+            Self::Boolean(b) => (*b).into(),
+            Self::List(list) => list.iter().map(|node| node.value.to_json()).collect(),
+            Self::Table(table) => {
+                let entries = table.entries.iter().map(|(key, node)| (key.clone(), node.value.to_json()));
+                serde_json::Value::Object(entries.collect())
+            }
+            Self::Datetime(_) | Self::Broken => serde_json::Value::Null,
+        }
+    }
 }
 
 /// Keys with their values, sorted by key.
@@ -270,8 +286,14 @@ fn steps(key: &str) -> Option<Vec<Step<'_>>> {
 }
 
 /// Keys that exclude each other: an override of one takes the place of the other.
-const ALTERNATIVES: &[(&str, &str)] =
-    &[("vp", "nu"), ("damping", "q"), ("damping_p", "q_p"), ("factor", "pga"), ("file", "wavelet")];
+const ALTERNATIVES: &[&[&str]] = &[
+    &["vp", "nu"],
+    &["damping", "q"],
+    &["damping_p", "q_p"],
+    &["factor", "pga", "pgv", "sa"],
+    &["file", "wavelet"],
+    &["unit", "metadata"],
+];
 
 /// Most names in an override's key; the longest of the format has four.
 const MAX_STEPS: usize = 8;
@@ -337,13 +359,9 @@ fn insert(table: &mut Table, steps: &[Step<'_>], value: Value) -> Result<(), Str
         return Ok(());
     };
     if rest.is_empty() && step.index.is_none() {
-        for (a, b) in ALTERNATIVES {
-            let other = match step.name {
-                n if n == *a => *b,
-                n if n == *b => *a,
-                _ => continue,
-            };
-            table.entries.retain(|(k, n)| k != other || n.at == Origin::Override);
+        for alternatives in ALTERNATIVES.iter().filter(|all| all.contains(&step.name)) {
+            let other = |key: &str| key != step.name && alternatives.contains(&key);
+            table.entries.retain(|(k, n)| !other(k) || n.at == Origin::Override);
         }
     }
     let node = match table.position(step.name) {
@@ -373,7 +391,7 @@ fn insert(table: &mut Table, steps: &[Step<'_>], value: Value) -> Result<(), Str
             name = step.name,
             n = l.len()
         )),
-        // `scale`, `band` and the like may be a word in the file and a table in the override.
+        // `band`, `dt` and the like may be a word in the file and a table in the override.
         leaf => {
             let mut fresh = Table::default();
             insert(&mut fresh, rest, value)?;

@@ -18,21 +18,22 @@ mod diagnostic;
 mod document;
 mod files;
 mod load;
+mod process_text;
 mod resolved;
 mod schema;
 mod types;
 mod values;
 mod wavelet;
 
-pub use crate::motion::Quantity;
-pub use crate::records::Unit;
+pub use crate::motion::{Process, Quantity};
+pub use crate::records::{ResponseMode, Unit};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use load::{Source, Written, load, load_str, load_with};
 pub use resolved::{Resolved, resolved_toml};
 pub use schema::{reference_markdown, schema};
 pub use types::{
-    Auto, Band, Base, Component, DEFAULT_NU, Discretisation, FieldSpacing, Layer, Motion, MotionKind, Offset,
-    Output, RecordFile, Scale, Scene, Soil, Station, Synthetic,
+    Auto, Band, Base, Component, DEFAULT_NU, Discretisation, FieldSpacing, Layer, Motion, MotionKind, Output,
+    RecordFile, Scene, Soil, Station, Synthetic,
 };
 pub use values::{HalfSpace, LayerValues, nu_from_speeds, vp_from_nu};
 pub use wavelet::{Wavelet, WaveletKind};

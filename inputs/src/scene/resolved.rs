@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use toml::Value;
 
-use crate::motion::Quantity;
+use crate::motion::{Process, Quantity};
 
 use super::load::Written;
 use super::types::{Base, Component, DEFAULT_NU, Layer, Scene, Synthetic};
@@ -114,16 +114,13 @@ impl Writer<'_> {
         self.header("[motion]");
         self.entry("motion", "kind", &m.kind);
         self.entry("motion", "quantity", &m.quantity);
-        match &m.scale {
-            Some(scale) => self.entry("motion", "scale", scale),
-            None => {
-                if !self.chosen("motion.scale", "scale") {
-                    self.line("# scale: none # default");
-                }
-            }
-        }
         self.entry("motion", "band", &m.band);
-        self.entry("motion", "offset", &m.offset);
+        if !self.chosen("motion.process", "process") {
+            let steps: Vec<String> = m.process.iter().map(Process::to_toml).collect();
+            let who = self.provenance("motion.process");
+            // Writing to a string cannot fail.
+            let _ = writeln!(self.out, "process = [{}] # {who}", steps.join(", "));
+        }
         for (axis, component) in ["x", "y", "z"].into_iter().zip(self.scene.components()) {
             if let Some(component) = component {
                 self.component(axis, component, m.quantity);
@@ -136,24 +133,27 @@ impl Writer<'_> {
         match component {
             Component::Record(record) => {
                 self.header(&format!("[{section}]"));
-                let path = self.scene.record_path(record);
-                let full = if record.file.starts_with("obspy:") {
-                    path
-                } else {
-                    std::path::absolute(&path).unwrap_or(path)
-                };
-                let full = full.display().to_string();
-                let reason = if full == record.file {
-                    String::new()
-                } else {
-                    format!("{} in the scene's folder", record.file)
-                };
-                self.entry_because(&section, "file", &full, &reason);
+                self.path(&section, "file", &record.file);
                 self.optional(&section, "unit", record.unit.as_ref(), "as the file says");
                 self.optional(&section, "channel", record.channel.as_ref(), "the only one");
+                self.optional(&section, "dt", record.dt.as_ref(), "as the file says");
+                let Some(metadata) = &record.metadata else { return };
+                self.path(&section, "metadata", metadata);
+                self.entry(&section, "response", &record.response.unwrap_or_default());
+                let absent = "from the record's length and its Nyquist frequency";
+                self.optional(&section, "pre_filter", record.pre_filter.as_ref(), absent);
             }
             Component::Synthetic(Synthetic { wavelet }) => self.wavelet(&section, wavelet, quantity),
         }
+    }
+
+    /// A file's path in full, so that the text may be kept in another folder.
+    fn path(&mut self, section: &str, key: &str, file: &str) {
+        let path = self.scene.path_of(file);
+        let full = if file.starts_with("obspy:") { path } else { std::path::absolute(&path).unwrap_or(path) };
+        let full = full.display().to_string();
+        let reason = if full == file { String::new() } else { format!("{file} in the scene's folder") };
+        self.entry_because(section, key, &full, &reason);
     }
 
     fn wavelet(&mut self, component: &str, w: &Wavelet, quantity: Quantity) {

@@ -100,6 +100,12 @@ fn choices(schema: &Value) -> &[Value] {
     }
 }
 
+/// What a description says in words; equations stand in its further paragraphs.
+fn first_paragraph(schema: &Value) -> &str {
+    let text = text(schema, "description").unwrap_or_default();
+    text.split("\n\n").next().unwrap_or_default()
+}
+
 /// Text on one line, fit for a cell of a table.
 fn cell(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|")
@@ -185,10 +191,31 @@ impl<'s> Page<'s> {
                 .filter(|o| self.subsection(o.schema).is_some_and(|(t, _)| std::ptr::eq(t, target)))
                 .map(|o| heading(path, o.name, is_list))
                 .collect();
-            let intro = cell(text(target, "description").unwrap_or_default());
-            self.out.push_str(&format!("\n## {}\n\n{intro}\n\n", twins.join(", ")));
+            let intro = cell(first_paragraph(target));
+            self.out.push_str(&format!("\n## {}\n\n{intro}\n", twins.join(", ")));
+            if choices(target).iter().any(|v| v.pointer("/properties/step/const").is_some()) {
+                self.steps(choices(target));
+                continue;
+            }
+            self.out.push('\n');
             let inner = self.members(target);
             self.section(&inner, &super::document::join(path, m.name));
+        }
+    }
+
+    /// A table of keys for each step of a list.
+    fn steps(&mut self, variants: &'s [Value]) {
+        for variant in variants {
+            let word = variant.pointer("/properties/step/const").and_then(Value::as_str).unwrap_or_default();
+            let mut members = self.own_members(variant, None);
+            members.retain(|m| m.name != "step");
+            let intro = cell(first_paragraph(variant));
+            self.out.push_str(&format!("\n### `step = \"{word}\"`\n\n{intro}\n"));
+            if members.is_empty() {
+                continue;
+            }
+            self.out.push('\n');
+            self.section(&members, "");
         }
     }
 
@@ -247,12 +274,13 @@ impl<'s> Page<'s> {
             Some("string") => "text".to_owned(),
             Some("number") => "number".to_owned(),
             Some("integer") => "whole number".to_owned(),
+            Some("boolean") => "`true` or `false`".to_owned(),
             Some("array") => self.array_text(schema),
             Some("object") => {
                 let inner: Vec<String> = self
                     .members(schema)
                     .iter()
-                    .map(|m| format!("{} = {}", m.name, self.type_text(m.schema)))
+                    .map(|m| format!("{} = {}", m.name, self.type_text(m.schema).replace('`', "")))
                     .collect();
                 format!("`{{ {} }}`", inner.join(", "))
             }
@@ -304,7 +332,8 @@ impl<'s> Page<'s> {
         // What `"auto"` means is said once, and a long list of units explains itself.
         if !is_auto(target) && words.len() <= 4 {
             for variant in words {
-                explain(self.type_text(variant), variant);
+                let kind = variant.pointer("/properties/kind/const").is_some();
+                explain(if kind { kind_word(variant) } else { self.type_text(variant) }, variant);
             }
         }
         if meaning.ends_with(';') {

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::motion::Quantity;
-use crate::records::Unit;
+use crate::motion::{Process, Quantity};
+use crate::records::{ResponseMode, Unit};
 
 use super::load::Source;
 use super::wavelet::Wavelet;
@@ -106,6 +106,10 @@ pub(super) fn default_quantity() -> Quantity {
     Quantity::Acceleration
 }
 
+pub(super) fn default_process() -> Vec<Process> {
+    vec![Process::Demean { first_seconds: None }]
+}
+
 /// Where the motion was recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -116,16 +120,6 @@ pub enum MotionKind {
     Within,
     /// At the soil's surface; the input at depth is found by going down the column.
     Surface,
-}
-
-/// One factor for all components of the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Scale {
-    /// multiply by this number; it may be negative, not zero
-    Factor(f64),
-    /// scale so that the acceleration of the largest component has this peak, m/s²
-    Pga(f64),
 }
 
 /// Frequency band in which the run has to be accurate.
@@ -142,23 +136,6 @@ pub enum Band {
     Range([f64; 2]),
 }
 
-/// Constant offset to take off the motion.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Offset {
-    /// the mean over the whole record
-    #[default]
-    Mean,
-    /// nothing
-    None,
-    /// the mean over this time from the start, s
-    #[serde(untagged)]
-    First {
-        /// Length of the time to average over, above 0 s.
-        first_seconds: f64,
-    },
-}
-
 /// The motion that drives the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -168,17 +145,15 @@ pub struct Motion {
     /// What the files hold.
     #[serde(default = "default_quantity")]
     pub quantity: Quantity,
-    /// One factor for all components.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-default" = "not scaled"))]
-    pub scale: Option<Scale>,
     /// Frequency band in which the run has to be accurate.
     #[serde(default)]
     #[schemars(extend("x-unit" = "Hz"))]
     pub band: Band,
-    /// Constant offset to take off each component before anything else.
-    #[serde(default)]
-    pub offset: Offset,
+    /// What is done to the motion before it drives the scene, in this order; `[]` for nothing. `demean`, `detrend` and
+    /// `baseline` mend what an instrument leaves: they act on records and leave a wavelet its closed form.
+    #[serde(default = "default_process")]
+    #[schemars(extend("x-default" = "one `demean`"))]
+    pub process: Vec<Process>,
     /// Horizontal component along x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "at rest"))]
@@ -222,6 +197,24 @@ pub struct RecordFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the only one"))]
     pub channel: Option<String>,
+    /// Time step of a file that states none; a file that states another one is refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "s", "x-default" = "from the file"))]
+    pub dt: Option<f64>,
+    /// Path of the instrument's metadata (FDSN StationXML, RESP, or SAC poles and zeros), relative to the scene's
+    /// folder: its response is taken off, in place of a `unit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no response is taken off"))]
+    pub metadata: Option<String>,
+    /// How the response is taken off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "`\"full\"` with `metadata`"))]
+    pub response: Option<ResponseMode>,
+    /// Four rising corners of the cosine window under which the response is divided; with `metadata`, and not with
+    /// `response = "sensitivity"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "Hz", "x-default" = "from the record's length and its Nyquist frequency"))]
+    pub pre_filter: Option<[f64; 4]>,
 }
 
 /// A component with a closed form.

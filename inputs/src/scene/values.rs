@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::motion::Quantity;
-use crate::records::Unit;
+use crate::records::{self, Response, ResponseMode, Unit};
 
 use super::types::{Base, Component, DEFAULT_NU, Layer, MotionKind, RecordFile, Scene, Station};
 use super::wavelet::WaveletKind;
@@ -52,6 +52,11 @@ impl Words for Unit {
         ("mm", Self::Millimetre),
         ("nm", Self::Nanometre),
     ];
+}
+
+impl Words for ResponseMode {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("full", Self::Full), ("sensitivity", Self::Sensitivity), ("stages", Self::Stages)];
 }
 
 /// The word of a value.
@@ -219,12 +224,24 @@ impl Scene {
         [&self.motion.x, &self.motion.y, &self.motion.z].map(Option::as_ref)
     }
 
-    /// Path of a record: relative to the scene's folder, `obspy:…` as it stands.
-    pub fn record_path(&self, record: &RecordFile) -> PathBuf {
-        if record.file.starts_with("obspy:") {
-            PathBuf::from(&record.file)
-        } else {
-            self.source.folder.join(&record.file)
+    /// Path of a record or of its metadata: relative to the scene's folder, `obspy:…` as it stands.
+    pub fn path_of(&self, file: &str) -> PathBuf {
+        if file.starts_with("obspy:") { PathBuf::from(file) } else { self.source.folder.join(file) }
+    }
+
+    /// What to read for a recorded component.
+    pub fn source_of(&self, record: &RecordFile) -> records::Source {
+        let response = record.metadata.as_ref().map(|metadata| Response {
+            mode: record.response.unwrap_or_default(),
+            pre_filter: record.pre_filter,
+            ..Response::new(self.path_of(metadata))
+        });
+        records::Source {
+            location: self.path_of(&record.file),
+            unit: record.unit,
+            channel: record.channel.clone(),
+            dt: record.dt,
+            response,
         }
     }
 }
@@ -248,6 +265,7 @@ mod tests {
         words_are_serdes_words::<Quantity>();
         words_are_serdes_words::<WaveletKind>();
         words_are_serdes_words::<Unit>();
+        words_are_serdes_words::<ResponseMode>();
     }
 
     #[test]

@@ -36,29 +36,38 @@ pub fn has_obspy() -> bool {
 /// A folder with the files of `inputs/python/make_fixtures.py`, made once; `None` without ObsPy.
 pub fn fixtures() -> Option<&'static Path> {
     static FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
-    let folder = FOLDER.get_or_init(|| {
-        if !has_obspy() {
-            return None;
+    FOLDER.get_or_init(|| made_by("make_fixtures.py")).as_deref()
+}
+
+/// A folder with the files that a script of `inputs/python` makes, made once and kept until the script
+/// changes; `None` without ObsPy.
+pub fn made_by(script: &str) -> Option<PathBuf> {
+    if !has_obspy() {
+        return None;
+    }
+    // Tests run as processes of their own: the folder is made aside and takes its name in one step.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("python").join(script);
+    let mut key = DefaultHasher::new();
+    std::fs::read(&path).expect("the script is part of the project").hash(&mut key);
+    let name = script.trim_end_matches(".py");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}_{:x}", key.finish()));
+    if !folder.exists() {
+        let aside = folder.with_extension(std::process::id().to_string());
+        std::fs::create_dir_all(&aside).expect("the build's own temporary folder");
+        make(script, &aside, &folder);
+        if std::fs::rename(&aside, &folder).is_err() {
+            assert!(folder.exists(), "the fixtures could not be put in place");
+            let _ = std::fs::remove_dir_all(&aside);
         }
-        // Tests run as processes of their own: the folder is made aside and takes its name in one step.
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("python/make_fixtures.py");
-        let mut key = DefaultHasher::new();
-        std::fs::read(&script).expect("the script is part of the project").hash(&mut key);
-        let folder =
-            Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("records_fixtures_{:x}", key.finish()));
-        if !folder.exists() {
-            let aside = folder.with_extension(std::process::id().to_string());
-            std::fs::create_dir_all(&aside).expect("the build's own temporary folder");
-            let status = Command::new(interpreter()).arg(script).args([&aside, &folder]).status();
-            assert!(status.is_ok_and(|status| status.success()), "the fixtures could not be made");
-            if std::fs::rename(&aside, &folder).is_err() {
-                assert!(folder.exists(), "the fixtures could not be put in place");
-                let _ = std::fs::remove_dir_all(&aside);
-            }
-        }
-        Some(folder)
-    });
-    folder.as_deref()
+    }
+    Some(folder)
+}
+
+/// Runs a script of `inputs/python` that makes files in a folder, which later has the name `known_as`.
+pub fn make(script: &str, folder: &Path, known_as: &Path) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("python").join(script);
+    let status = Command::new(interpreter()).arg(path).args([folder, known_as]).status();
+    assert!(status.is_ok_and(|status| status.success()), "the fixtures could not be made");
 }
 
 /// The reader script's answer to one file under a format word of choice.
@@ -73,7 +82,7 @@ pub fn ask_script(format: &str, content: &[u8]) -> String {
     let mut stdin = child.stdin.take().expect("piped");
     let request = format!(
         "{{\"op\": \"read\", \"max_samples\": 1000, \"max_segments\": 10, \"memory_bytes\": 8589934592, \
-         \"files\": [{{\"format\": \"{format}\", \"bytes\": {}}}]}}\n",
+         \"files\": [{{\"format\": \"{format}\", \"bytes\": {}, \"response\": null}}]}}\n",
         content.len()
     );
     stdin.write_all(request.as_bytes()).expect("the script reads");

@@ -8,9 +8,8 @@ mod validator;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use hati_inputs::scene::{
-    self, Auto, Band, Component, Diagnostics, MotionKind, Offset, Scale, Scene, Written,
-};
+use hati_inputs::motion::{Filter, Scaling};
+use hati_inputs::scene::{self, Auto, Band, Component, Diagnostics, MotionKind, Process, Scene, Written};
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 
@@ -22,9 +21,9 @@ accuracy = 5e-3
 [motion]
 kind = "within"
 quantity = "acceleration"
-scale = { factor = 2.0 }
+process = [{ step = "filter", f_min = 0.2, order = 2 }, { step = "scale", factor = 2.0 }]
 band = [0.2, 20.0]
-offset = { first_seconds = 0.2 }
+# the components
 [motion.x]
 wavelet = { kind = "ricker", frequency = 5.0, amplitude = 1.0, time = 0.5, dt = 0.005, duration = 4.0 }
 [motion.y]
@@ -127,9 +126,9 @@ fn a_good_scene_is_read_as_it_is_written() {
     assert_eq!(scene.title, "test");
     assert_eq!(scene.accuracy, 5e-3);
     assert_eq!(scene.motion.kind, MotionKind::Within);
-    assert_eq!(scene.motion.scale, Some(Scale::Factor(2.0)));
+    let filter = Filter { f_min: Some(0.2), order: 2, ..Filter::default() };
+    assert_eq!(scene.motion.process, [Process::Filter(filter), Process::Scale(Scaling::Factor(2.0))]);
     assert_eq!(scene.motion.band, Band::Range([0.2, 20.0]));
-    assert_eq!(scene.motion.offset, Offset::First { first_seconds: 0.2 });
     assert!(matches!(scene.motion.y, Some(Component::Synthetic(_))) && scene.motion.z.is_none());
     assert_eq!(scene.soil.reference_frequency, Auto::Value(2.0));
     assert_eq!(scene.discretisation.elements, Auto::Value(vec![2, 3]));
@@ -172,7 +171,7 @@ fn overrides_are_applied_and_checked() {
         ("soil.layer[1].q", "50"),
         ("motion.kind", "surface"),
         ("motion.band", "full"),
-        ("motion.scale.pga", "3.5"),
+        ("motion.process[2].pga", "3.5"),
         ("output.stations[2]", "{ name = \"deep\", depth = 14 }"),
         ("discretisation.elements[1]", "7"),
     ])
@@ -183,7 +182,7 @@ fn overrides_are_applied_and_checked() {
     assert_eq!(scene.soil.layer[0].damping_s(), 0.01);
     assert_eq!(scene.motion.kind, MotionKind::Surface);
     assert_eq!(scene.motion.band, Band::Full);
-    assert_eq!(scene.motion.scale, Some(Scale::Pga(3.5)));
+    assert_eq!(scene.motion.process[1], Process::Scale(Scaling::Pga(3.5)), "pga takes the place of factor");
     assert_eq!(scene.stations()[1].name, "deep");
     assert_eq!(scene.discretisation.elements, Auto::Value(vec![7, 3]));
     assert_eq!(scene.source.written.get("accuracy"), Some(&Written::Override));
@@ -265,7 +264,7 @@ proptest! {
     }
 
     #[test]
-    fn overrides_never_panic(key in "[a-z.\\[\\]0-9]{0,20}|soil\\.layer\\[[0-9]{1,25}\\]\\.[a-z]{1,3}|motion\\.(x|band|scale)(\\.[a-z]{1,8})?", value in ".{0,20}") {
+    fn overrides_never_panic(key in "[a-z.\\[\\]0-9]{0,20}|soil\\.layer\\[[0-9]{1,25}\\]\\.[a-z]{1,3}|motion\\.(x|band|process\\[[12]\\])(\\.[a-z]{1,8})?", value in ".{0,20}") {
         if let Err(found) = scene::load_str(GOOD, "scene.toml", &[(key, value)]) {
             prop_assert!(found.has_errors());
         }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use hati_inputs::scene::{self, Component, Severity, Unit};
+use hati_inputs::scene::{self, Component, ResponseMode, Severity, Unit};
 
 use super::{GOOD, errors, load, one_error, sets, warnings, with};
 
@@ -80,11 +80,45 @@ fn single_mistakes() {
             "quantity = \"accelaration\"",
             &["7 motion.quantity", "did you mean \"acceleration\"?"],
         ),
-        ("{ factor = 2.0 }", "2.0", &["8 motion.scale: expected a table", "{ factor = … }"]),
-        ("{ factor = 2.0 }", "{ factor = 2.0, pga = 1.0 }", &["8 motion.scale.pga: `factor` is given too"]),
-        ("{ factor = 2.0 }", "{ factor = 0 }", &["8 motion.scale.factor: the factor is 0"]),
-        ("{ factor = 2.0 }", "{ pga = -1 }", &["8 motion.scale.pga: expected a number above 0 m/s²"]),
-        ("{ factor = 2.0 }", "{}", &["8 motion.scale: expected `factor` or `pga`"]),
+        ("factor = 2.0", "factor = 2.0, pga = 1.0", &["8 motion.process[2].pga: `factor` given too"]),
+        ("factor = 2.0", "factor = 0", &["8 motion.process[2].factor: the factor is 0"]),
+        ("factor = 2.0", "pga = -1", &["8 motion.process[2].pga: expected a number above 0 m/s²"]),
+        (", factor = 2.0", "", &["8 motion.process[2]: expected `factor`, `pga`, `pgv` or `sa`"]),
+        ("factor = 2.0", "sa = 2.0", &["8 motion.process[2].period: missing"]),
+        ("factor = 2.0", "pgv = 2.0, damping = 0.1", &["8 motion.process[2].damping: belongs to `sa`"]),
+        (
+            "\"scale\"",
+            "\"scael\"",
+            &["8 motion.process[2].step: expected \"demean\"", "did you mean \"scale\"?"],
+        ),
+        ("step = \"scale\", ", "", &["8 motion.process[2]: the step's name is missing", "\"convert\""]),
+        (
+            "{ step = \"scale\", factor = 2.0 }",
+            "\"demean\"",
+            &["8 motion.process[2]: expected a table with a step"],
+        ),
+        (
+            "[{ step = \"filter\", f_min = 0.2, order = 2 }, { step = \"scale\", factor = 2.0 }]",
+            "\"demean\"",
+            &["8 motion.process: expected a list of steps", "process = [{ step = \"demean\" }"],
+        ),
+        ("f_min = 0.2", "f_mni = 0.2, f_max = 3", &["8 motion.process[1].f_mni: unknown key", "`f_min`"]),
+        (
+            "f_min = 0.2",
+            "f_min = 5, f_max = 3",
+            &["8 motion.process[1].f_max: 3 Hz is not above f_min = 5 Hz"],
+        ),
+        ("f_min = 0.2, ", "", &["8 motion.process[1]: expected `f_min`, `f_max` or both"]),
+        (
+            "order = 2",
+            "causal = 1",
+            &["8 motion.process[1].causal: expected true or false, found the number 1"],
+        ),
+        (
+            "step = \"scale\", factor = 2.0",
+            "step = \"match\", spectrum = { kind = \"points\" }",
+            &["8 motion.process[2].spectrum: "],
+        ),
         ("[0.2, 20.0]", "[20.0, 0.2]", &["9 motion.band: f_min = 20 Hz is not below f_max = 0.2 Hz"]),
         ("[0.2, 20.0]", "[0, 20.0]", &["9 motion.band[1]: expected a number above 0 Hz"]),
         ("[0.2, 20.0]", "[1, 2, 3]", &["9 motion.band: expected two frequencies", "list of 3"]),
@@ -94,11 +128,15 @@ fn single_mistakes() {
             &["9 motion.band: f_max = 101 Hz is above the Nyquist frequency 100 Hz"],
         ),
         ("[0.2, 20.0]", "\"ful\"", &["9 motion.band", "did you mean \"full\"?"]),
-        ("{ first_seconds = 0.2 }", "\"median\"", &["10 motion.offset: expected \"mean\" or \"none\""]),
         (
-            "{ first_seconds = 0.2 }",
-            "{ first_second = 0.2 }",
-            &["10 motion.offset.first_second: unknown key", "`first_seconds`"],
+            "# the components",
+            "offset = { first_seconds = 2 }",
+            &["10 motion.offset: is a step of `process` now", "[{ step = \"demean\", first_seconds = 2.0 }]"],
+        ),
+        (
+            "# the components",
+            "scale = { pga = 3 }",
+            &["10 motion.scale: is a step", "[{ step = \"demean\" }, { step = \"scale\", pga = 3.0 }]"],
         ),
         (
             "frequency = 5.0",
@@ -350,7 +388,12 @@ fn warnings_do_not_forbid_a_run() {
             "frequency = 40.0",
             "motion.x.wavelet.dt: warning: the spectrum of a Ricker pulse",
         ),
-        ("{ factor = 2.0 }", "{ pga = 200 }", "motion.scale.pga: warning: 200 m/s²"),
+        ("factor = 2.0", "pga = 200", "motion.process[2].pga: warning: 200 m/s²"),
+        (
+            "step = \"scale\", factor = 2.0",
+            "step = \"demean\"",
+            "motion.process[2]: warning: `demean` acts on records, and this motion has wavelets only",
+        ),
     ];
     for (old, new, part) in cases {
         let found = warnings(&with(old, new));
@@ -389,7 +432,7 @@ fn records_are_looked_for_beside_the_scene() {
         panic!("z is a record");
     };
     assert_eq!((record.unit, record.channel.as_deref()), (Some(Unit::G), Some("EW")));
-    assert_eq!(scene.record_path(record), records.join("station.EW"));
+    assert_eq!(scene.path_of(&record.file), records.join("station.EW"));
     // The folder of the scene stands for its scene.toml.
     assert!(scene::load(folder.path()).is_ok());
 
@@ -413,6 +456,43 @@ fn records_are_looked_for_beside_the_scene() {
         &["scene.toml:13 motion.z.unit: cm/s is a unit of velocity, but motion.quantity is acceleration"],
     );
     refused("records/station.EW", "unit = \"gals\"", &["did you mean \"gal\"?"]);
+    let more = "dt = 0.005\nmetadata = \"records/inventory.xml\"\nresponse = \"stages\"\npre_filter = [0, 0.1, 20, 25.5]";
+    refused("records/station.EW", more, &["scene.toml:14 motion.z.metadata: there is no file inventory.xml"]);
+    fs::write(records.join("inventory.xml"), "data").expect("a file");
+    let scene = load_file("records/station.EW", more).unwrap_or_else(|e| panic!("{e}"));
+    let Some(Component::Record(record)) = &scene.motion.z else {
+        panic!("z is a record");
+    };
+    let source = scene.source_of(record);
+    let response = source.response.expect("a response");
+    assert_eq!((source.location, source.dt), (records.join("station.EW"), Some(0.005)));
+    assert_eq!((response.metadata, response.mode), (records.join("inventory.xml"), ResponseMode::Stages));
+    assert_eq!(response.pre_filter, Some([0.0, 0.1, 20.0, 25.5]));
+    let with = |key: &str| format!("metadata = \"records/inventory.xml\"\n{key}");
+    refused("records/station.EW", "dt = 0", &["scene.toml:13 motion.z.dt: expected a number above 0 s"]);
+    refused(
+        "records/station.EW",
+        "response = \"full\"",
+        &["motion.z.response: needs `metadata`", "StationXML"],
+    );
+    refused("records/station.EW", &with("response = \"ful\""), &["did you mean \"full\"?"]);
+    refused("records/station.EW", &with("unit = \"g\""), &["motion.z.unit: `metadata` is given too"]);
+    refused(
+        "records/station.EW",
+        &with("pre_filter = [1, 2, 3]"),
+        &["expected a list of 4 numbers, found 3"],
+    );
+    refused(
+        "records/station.EW",
+        &with("pre_filter = [1, 2, 2, 3]"),
+        &["four rising frequencies, found 1, 2, 2, 3 Hz"],
+    );
+    let sensitivity = with("response = \"sensitivity\"\npre_filter = [1, 2, 3, 4]");
+    refused(
+        "records/station.EW",
+        &sensitivity,
+        &["motion.z.pre_filter: has no use with response = \"sensitivity\""],
+    );
     assert!(load_file("obspy:io/nied/tests/data/test.knet", "").is_ok());
 
     let unreadable = records.join("locked.EW");

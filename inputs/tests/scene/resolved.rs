@@ -29,7 +29,7 @@ fn a_resolved_scene_loads_again_as_the_same_run() {
     for line in [
         "title = \"Three layers under a Ricker pulse\" # user",
         "vs = 260 # user (--set)",
-        "offset = \"mean\" # default",
+        "process = [{ step = \"demean\" }] # default",
         "nu = 0.25 # default",
         "tail = \"auto\" # default",
         "band = [0.5, 15.25] # auto: energy",
@@ -68,7 +68,7 @@ fn a_resolved_scene_finds_its_records_from_another_folder() {
     let mut text = GOOD.to_owned();
     text.replace_range(
         wavelets,
-        "[motion.x]\nfile = 'a b#\"c.EW'\n[motion.y]\nfile = \"obspy:io/x.knet\"\nunit = \"g\"\n",
+        "[motion.x]\nfile = 'a b#\"c.EW'\ndt = 0.01\nmetadata = 'a b#\"c.EW'\n[motion.y]\nfile = \"obspy:io/x.knet\"\nunit = \"g\"\n",
     );
     let path = folder.path().join("scene.toml");
     fs::write(&path, text).expect("a file");
@@ -79,9 +79,9 @@ fn a_resolved_scene_finds_its_records_from_another_folder() {
     let (Some(Component::Record(a)), Some(Component::Record(b))) = (&scene.motion.x, &again.motion.x) else {
         panic!("records");
     };
-    assert_eq!(scene.record_path(a), again.record_path(b));
+    assert_eq!(scene.source_of(a), again.source_of(b));
     assert_eq!(scene.motion.y, again.motion.y);
-    assert_eq!(scene.motion.scale, again.motion.scale);
+    assert_eq!(scene.motion.process, again.motion.process);
     assert_eq!(scene.layers(), again.layers());
     assert_eq!(scene.discretisation, again.discretisation);
 }

@@ -32,7 +32,10 @@ fn example_scenes_load_and_fit_the_schema() {
         ("[2, 3]", "[2, 0]"),
         ("[2, 3]", "[2, 20001]"),
         ("tail = 5", "tail = 3601"),
-        ("{ factor = 2.0 }", "{ factor = 2.0, pga = 1.0 }"),
+        ("factor = 2.0", "factor = 2.0, pga = 1.0"),
+        ("factor = 2.0", "sa = 2.0"),
+        ("\"scale\"", "\"rest\""),
+        ("f_min = 0.2", "fmin = 0.2"),
         ("[0.2, 20.0]", "[0.2]"),
     ] {
         assert!(!violations(&with(old, new)).is_empty(), "{new}");
@@ -89,6 +92,54 @@ fn ranges_of_schema_and_reader_agree() {
     assert!(checked >= 30, "{checked} limits");
 }
 
+/// The steps of `motion.process`: their ranges are the reader's, and so are their keys.
+#[test]
+fn steps_of_schema_and_reader_agree() {
+    let schema = scene::schema();
+    let variants =
+        schema.pointer("/$defs/Process/oneOf").and_then(serde_json::Value::as_array).expect("steps");
+    let mut words = Vec::new();
+    let mut checked = 0;
+    for variant in variants {
+        let properties = variant["properties"].as_object().expect("keys");
+        let word = properties["step"]["const"].as_str().expect("a word");
+        words.push(word);
+        let found_for = |key: &str, value: &str| {
+            let text = format!("[{{ step = \"{word}\", {key} = {value} }}]");
+            match scene::load_str(GOOD, "scene.toml", &sets(&[("motion.process", &text)])) {
+                Ok(_) => Vec::new(),
+                Err(found) => found
+                    .iter()
+                    .filter(|d| d.key_path == format!("motion.process[1].{key}"))
+                    .map(|d| d.message.clone())
+                    .collect(),
+            }
+        };
+        for (key, definition) in properties.iter().filter(|(key, _)| *key != "step") {
+            let date = found_for(key, "1979-05-27");
+            assert!(date.iter().any(|m| m.contains("found the date")), "{word} {key}: {date:?}");
+            let whole = definition["type"] == "integer";
+            for (limit, step, inside) in [
+                ("minimum", -1.0, true),
+                ("exclusiveMinimum", -1.0, false),
+                ("maximum", 1.0, true),
+                ("exclusiveMaximum", 1.0, false),
+            ] {
+                let Some(at) = definition.get(limit).and_then(serde_json::Value::as_f64) else { continue };
+                let refused = |x: f64| {
+                    let value = if whole { format!("{x:.0}") } else { format!("{x:e}") };
+                    found_for(key, &value).iter().any(|m| m.starts_with("expected a"))
+                };
+                assert!(refused(if whole { at + step } else { at + step * 1e-7 }), "{word} {key} {limit}");
+                assert_eq!(refused(at), !inside, "{word} {key} {limit}");
+                checked += 1;
+            }
+        }
+    }
+    assert_eq!(words, scene::Process::WORDS);
+    assert!(checked >= 20, "{checked} limits");
+}
+
 /// All keys of the schema are keys of the reader.
 #[test]
 fn the_reader_knows_every_key_of_the_schema() {
@@ -132,6 +183,10 @@ fn the_reference_page_names_every_key_with_its_unit() {
         "## `[motion]`",
         "## `[motion.x]`, `[motion.y]`, `[motion.z]`",
         "## `[motion.x.wavelet]`",
+        "## `[[motion.process]]`",
+        "### `step = \"filter\"`",
+        "| `f_max` | number, Hz, above 0 | high frequencies pass |",
+        "### `step = \"rest\"`",
         "## `[[soil.layer]]`",
         "| `thickness` | number, m, above 0, at most 100000 | required |",
         "| `kind` | `\"elastic\"` or `\"rigid\"` | required |",

@@ -1,9 +1,9 @@
 //! Motion over time, one row per place on a common scale.
 
-use super::super::place::words;
+use super::super::place::{Drawn, words};
 use super::super::svg::{Anchor, Axis, Figure, Panel, Rect, Stroke, Text, significant};
 use super::super::table::Table;
-use super::{GRAVITY, Plate, View, WIDTH, peak, peak_at};
+use super::{GRAVITY, Plate, Traces, WIDTH, peak, peak_at};
 use crate::results::Trace;
 
 /// Which motion is drawn.
@@ -57,19 +57,40 @@ const RIGHT: f64 = 24.0;
 const TOP: f64 = 46.0;
 const ROW: f64 = 122.0;
 const GAP: f64 = 14.0;
+/// How far the scale follows the lines behind, in multiples of the largest peak of the rows' own.
+const DRIFT_SHOWN: f64 = 2.0;
+const BEHIND: Stroke = Stroke::solid("#8a94a0", 1.3);
+
+/// A second line behind each row's own, faint: what it is, and its values in the order of the rows.
+#[derive(Debug)]
+pub(in super::super) struct Behind<'a> {
+    /// For the columns of the table: `from_rest`.
+    pub(in super::super) key: &'static str,
+    /// For the caption, HTML.
+    pub(in super::super) words: &'static str,
+    /// Values, one list per trace drawn.
+    pub(in super::super) values: &'a [Vec<f64>],
+}
 
 /// Time histories of one kind of motion.
-pub(in super::super) fn histories(view: &View<'_>, motion: Motion) -> Option<Plate> {
-    let rows: Vec<_> = view.drawn.iter().filter(|d| !motion.of(d.trace).is_empty()).collect();
+pub(in super::super) fn histories(
+    traces: &Traces<'_>,
+    motion: Motion,
+    behind: Option<&Behind<'_>>,
+) -> Option<Plate> {
+    let rows: Vec<_> = traces.drawn.iter().filter(|d| !motion.of(d.trace).is_empty()).collect();
     if rows.is_empty() {
         return None;
     }
-    let peak = rows.iter().map(|d| peak(motion.of(d.trace))).fold(0.0, f64::max);
+    let hidden = |d: &Drawn<'_>| behind.and_then(|b| b.values.get(d.index)).map_or(&[][..], Vec::as_slice);
+    let shown = rows.iter().map(|d| peak(motion.of(d.trace))).fold(0.0, f64::max);
+    // A drift may leave the frame: it must not flatten the motion.
+    let peak = rows.iter().map(|d| peak(hidden(d))).fold(shown, f64::max).min(DRIFT_SHOWN * shown);
     let height = TOP + rows.len() as f64 * (ROW + GAP) - GAP + 48.0;
-    let title = format!("{} along {}", capital(motion.name()), view.letter());
-    let mut figure = Figure::new(&view.name(motion.name()), &title, WIDTH, height);
-    let times = view.times();
-    let (first, last) = view.time_range();
+    let title = format!("{} {}", capital(motion.name()), traces.subject);
+    let mut figure = Figure::new(&traces.name(motion.name()), &title, WIDTH, height);
+    let times = traces.times();
+    let (first, last) = traces.time_range();
     for (number, drawn) in rows.iter().enumerate() {
         let at =
             Rect { x: LEFT, y: TOP + number as f64 * (ROW + GAP), width: WIDTH - LEFT - RIGHT, height: ROW };
@@ -78,10 +99,12 @@ pub(in super::super) fn histories(view: &View<'_>, motion: Motion) -> Option<Pla
         let x = Axis::linear(first, last, "elapsed time (s)", 12);
         let panel = Panel::draw(&mut figure, at, x, y, is_last, true);
         panel.horizontal(&mut figure, 0.0, Stroke::solid("#b8c0c8", 1.0));
+        let drift = hidden(drawn).iter().enumerate().map(|(i, v)| (traces.time(i), *v));
+        panel.line(&mut figure, drift, BEHIND);
         let values = motion.of(drawn.trace);
-        let points = values.iter().enumerate().map(|(i, v)| (view.time(i), *v));
+        let points = values.iter().enumerate().map(|(i, v)| (traces.time(i), *v));
         panel.line(&mut figure, points, drawn.stroke.wide(1.1).dashed(""));
-        mark_peak(&mut figure, &panel, view, values, motion, drawn.stroke.colour);
+        mark_peak(&mut figure, &panel, traces, values, motion, drawn.stroke.colour);
         let name = match drawn.trace.depth {
             Some(depth) if depth != 0.0 => {
                 format!("{}, {} m deep", words(&drawn.trace.place), significant(depth, 4))
@@ -96,18 +119,22 @@ pub(in super::super) fn histories(view: &View<'_>, motion: Motion) -> Option<Pla
     for d in &rows {
         let name = format!("{}_{}_{}", d.trace.place, motion.name(), motion.file_unit());
         table = table.column(name, motion.of(d.trace));
+        if let Some(behind) = behind {
+            let name = format!("{}_{}_{}_{}", d.trace.place, motion.name(), behind.key, motion.file_unit());
+            table = table.column(name, hidden(d));
+        }
     }
-    Some(Plate {
-        figure,
-        csv: table.to_csv(),
-        caption: "All rows share one scale; the dot marks each row’s largest absolute value.".to_owned(),
-    })
+    let mut caption = "All rows share one scale; the dot marks each row’s largest absolute value.".to_owned();
+    if let Some(behind) = behind {
+        caption.push_str(behind.words);
+    }
+    Some(Plate { figure, csv: table.to_csv(), caption })
 }
 
 fn mark_peak(
     figure: &mut Figure,
     panel: &Panel,
-    view: &View<'_>,
+    traces: &Traces<'_>,
     values: &[f64],
     motion: Motion,
     colour: &'static str,
@@ -115,7 +142,7 @@ fn mark_peak(
     let Some((index, value)) = peak_at(values) else {
         return;
     };
-    let time = view.time(index);
+    let time = traces.time(index);
     figure.dot(panel.px(time), panel.py(value), 4.0, colour);
     let amount = significant(value.abs(), 3);
     let label = if motion == Motion::Acceleration {

@@ -3,7 +3,7 @@
 use super::super::place::{AUXILIARY, legend, words};
 use super::super::svg::{Anchor, Axis, Figure, Panel, Rect, Stroke, Text, significant};
 use super::super::table::Table;
-use super::{Plate, View, WIDTH};
+use super::{Plate, Traces, WIDTH};
 
 /// Times at which the Husid curve passes `low` and `high`, by linear interpolation, s since the first sample.
 fn duration(husid: &[f64], dt: f64, low: f64, high: f64) -> Option<(f64, f64)> {
@@ -17,42 +17,57 @@ fn duration(husid: &[f64], dt: f64, low: f64, high: f64) -> Option<(f64, f64)> {
     Some((crossing(low)?, crossing(high)?))
 }
 
+/// Times of 5, 75 and 95 %.
+fn times_of_shares(husid: &[f64], dt: f64) -> Option<[f64; 3]> {
+    let (from, middle) = duration(husid, dt, 0.05, 0.75)?;
+    let (_, to) = duration(husid, dt, 0.05, 0.95)?;
+    Some([from, middle, to])
+}
+
 /// Husid curves of all places.
-pub(in super::super) fn husid(view: &View<'_>) -> Option<Plate> {
-    let curves: Vec<_> = view.drawn.iter().filter(|d| !view.measures[d.index].husid.is_empty()).collect();
+pub(in super::super) fn husid(traces: &Traces<'_>) -> Option<Plate> {
+    let curves: Vec<_> = traces.drawn.iter().filter(|d| !traces.measures[d.index].husid.is_empty()).collect();
     if curves.is_empty() {
         return None;
     }
     let bars = 22.0 * curves.len() as f64 + 10.0;
     let at = Rect { x: 78.0, y: 60.0, width: WIDTH - 78.0 - 24.0, height: 230.0 + bars };
-    let title = format!("Build-up of Arias intensity along {}", view.letter());
-    let mut figure = Figure::new(&view.name("husid"), &title, WIDTH, at.y + at.height + 52.0);
-    let times = view.times();
-    let (first, last) = view.time_range();
+    let title = format!("Build-up of Arias intensity {}", traces.subject);
+    let mut figure = Figure::new(&traces.name("husid"), &title, WIDTH, at.y + at.height + 52.0);
+    let times = traces.times();
+    let (first, last) = traces.time_range();
     let floor = -110.0 * bars / 230.0;
     let x = Axis::linear(first, last, "elapsed time (s)", 12);
     let y = Axis::linear(floor, 110.0, "share of Arias intensity (%)", 6)
         .with_ticks(&[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let panel = Panel::draw(&mut figure, at, x, y, true, true);
-    for level in [5.0, 95.0] {
+    for level in [5.0, 75.0, 95.0] {
         panel.horizontal(&mut figure, level, AUXILIARY);
     }
     let mut table = Table::default().column("elapsed_time_s", times);
     for (row, d) in curves.iter().enumerate() {
-        let husid = &view.measures[d.index].husid;
-        let points = husid.iter().enumerate().map(|(i, v)| (view.time(i), 100.0 * v));
+        let husid = &traces.measures[d.index].husid;
+        let points = husid.iter().enumerate().map(|(i, v)| (traces.time(i), 100.0 * v));
         panel.line(&mut figure, points, d.stroke);
         table = table.column(format!("{}_husid", d.trace.place), husid.as_slice());
-        let Some((from, to)) = duration(husid, view.data.dt, 0.05, 0.95) else {
+        let known = traces.measures[d.index].times;
+        let Some([from, middle, to]) = known.or_else(|| times_of_shares(husid, traces.dt)) else {
             continue;
         };
-        let (x0, x1) = (panel.px(from + view.data.time_first), panel.px(to + view.data.time_first));
+        let [x0, xm, x1] = [from, middle, to].map(|time| panel.px(time + traces.time_first));
         let y = panel.py(0.0) + 16.0 + 22.0 * row as f64;
-        let bar = Stroke::solid(d.stroke.colour, 5.0);
-        figure.segment((x0, y), (x1, y), bar);
-        figure.dot(x0, panel.py(5.0), 3.6, d.stroke.colour);
-        figure.dot(x1, panel.py(95.0), 3.6, d.stroke.colour);
-        let label = format!("{}: D5–95 = {} s", words(&d.trace.place), significant(to - from, 3));
+        figure.segment((x0, y), (x1, y), Stroke::solid(d.stroke.colour, 3.0));
+        figure.segment((x0, y), (xm, y), Stroke::solid(d.stroke.colour, 8.0));
+        for (x, level) in [(x0, 5.0), (xm, 75.0), (x1, 95.0)] {
+            figure.dot(x, panel.py(level), 3.6, d.stroke.colour);
+        }
+        let label = format!(
+            "{}: Arias {} m/s, D5–75 = {} s, D5–95 = {} s",
+            words(&d.trace.place),
+            significant(traces.measures[d.index].arias_intensity, 3),
+            significant(middle - from, 3),
+            significant(to - from, 3)
+        );
         // Beside the bar where there is room, else on it.
         let width = 6.9 * label.chars().count() as f64 + 16.0;
         let (x, anchor) = if x1 + width < at.x + at.width {
@@ -64,13 +79,15 @@ pub(in super::super) fn husid(view: &View<'_>) -> Option<Plate> {
         };
         figure.text(x, y + 4.0, &label, Text::new(12.0).anchor(anchor).halo());
     }
-    figure.legend(at.x + at.width, &legend(&view.drawn));
+    figure.legend(at.x + at.width, &legend(&traces.drawn));
     panel.close(&mut figure);
     Some(Plate {
         figure,
         csv: table.to_csv(),
-        caption: "Share of ∫a² dt reached by each time. Bars: significant duration, from 5 to 95 %."
-            .to_owned(),
+        caption:
+            "Share of ∫a² dt reached by each time. Bars: significant duration, thick from 5 to 75 %, thin on \
+                  to 95 %."
+                .to_owned(),
     })
 }
 

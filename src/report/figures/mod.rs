@@ -10,7 +10,7 @@ mod spectra;
 mod transfer;
 
 pub(super) use fourier::fourier;
-pub(super) use histories::{Motion, histories};
+pub(super) use histories::{Behind, Motion, histories};
 pub(super) use husid::husid;
 pub(super) use ledger::{closing_error, ledger};
 pub(super) use profile::profile;
@@ -28,6 +28,52 @@ pub(super) const GRAVITY: f64 = 9.806_65;
 /// Width of every figure, pixels.
 pub(super) const WIDTH: f64 = 1080.0;
 
+/// Traces over one time axis that figures draw together: those of one component of a run at several
+/// places, or the components of a recording.
+#[derive(Debug)]
+pub(super) struct Traces<'a> {
+    /// What they have in common, for titles: `along x`, `of E`.
+    pub(super) subject: String,
+    /// Ending of the figures' file names, with its hyphen.
+    pub(super) suffix: String,
+    /// Step, s.
+    pub(super) dt: f64,
+    /// Elapsed time of the first sample, s.
+    pub(super) time_first: f64,
+    /// Traces to draw, in order.
+    pub(super) drawn: Vec<Drawn<'a>>,
+    /// Spectra and Husid curves; [`Drawn::index`] counts in here.
+    pub(super) measures: &'a [TraceMeasures],
+    /// Periods of the response spectra, s.
+    pub(super) periods: &'a [f64],
+}
+
+impl Traces<'_> {
+    /// File name without ending.
+    pub(super) fn name(&self, what: &str) -> String {
+        format!("{what}{}", self.suffix)
+    }
+
+    /// Elapsed time of sample `index`, s.
+    pub(super) fn time(&self, index: usize) -> f64 {
+        self.time_first + index as f64 * self.dt
+    }
+
+    fn longest(&self) -> usize {
+        self.drawn.iter().map(|d| d.trace.acceleration.len()).max().unwrap_or(0)
+    }
+
+    /// From the first sample to one step after the last, s.
+    pub(super) fn time_range(&self) -> (f64, f64) {
+        (self.time(0), self.time(self.longest()))
+    }
+
+    /// Elapsed times of the longest trace drawn, s.
+    pub(super) fn times(&self) -> Vec<f64> {
+        (0..self.longest()).map(|i| self.time(i)).collect()
+    }
+}
+
 /// One component of a run with what was computed for its figures.
 #[derive(Debug)]
 pub(super) struct View<'a> {
@@ -35,12 +81,8 @@ pub(super) struct View<'a> {
     pub(super) data: &'a SiteResponse,
     /// Component.
     pub(super) axis: usize,
-    /// Traces to draw, in order.
-    pub(super) drawn: Vec<Drawn<'a>>,
-    /// Spectra and Husid curves of all traces of the run.
-    pub(super) measures: &'a [TraceMeasures],
-    /// Periods of the response spectra, s.
-    pub(super) periods: &'a [f64],
+    /// Its motions at all places that are drawn.
+    pub(super) traces: Traces<'a>,
 }
 
 impl<'a> View<'a> {
@@ -51,7 +93,17 @@ impl<'a> View<'a> {
         measures: &'a [TraceMeasures],
         periods: &'a [f64],
     ) -> Self {
-        Self { data, axis, drawn: place::drawn(&data.traces, axis), measures, periods }
+        let letter = AXES.get(axis).copied().unwrap_or('?');
+        let traces = Traces {
+            subject: format!("along {letter}"),
+            suffix: format!("-{letter}"),
+            dt: data.dt,
+            time_first: data.time_first,
+            drawn: place::drawn(&data.traces, axis),
+            measures,
+            periods,
+        };
+        Self { data, axis, traces }
     }
 
     /// Letter of the component.
@@ -61,24 +113,7 @@ impl<'a> View<'a> {
 
     /// File name without ending.
     pub(super) fn name(&self, what: &str) -> String {
-        format!("{what}-{}", self.letter())
-    }
-
-    /// Elapsed time of sample `index`, s.
-    pub(super) fn time(&self, index: usize) -> f64 {
-        self.data.time_first + index as f64 * self.data.dt
-    }
-
-    /// From the first sample to one step after the last, s.
-    pub(super) fn time_range(&self) -> (f64, f64) {
-        let samples = self.drawn.iter().map(|d| d.trace.acceleration.len());
-        (self.time(0), self.time(samples.max().unwrap_or(0)))
-    }
-
-    /// Elapsed times of the longest trace drawn, s.
-    pub(super) fn times(&self) -> Vec<f64> {
-        let samples = self.drawn.iter().map(|d| d.trace.acceleration.len()).max().unwrap_or(0);
-        (0..samples).map(|i| self.time(i)).collect()
+        self.traces.name(what)
     }
 }
 

@@ -135,7 +135,7 @@ fn draw_peaks(figure: &mut Figure, view: &View<'_>, peaks: &PeakProfile, layers:
 
 /// Dots where a recorded place lies, in the colour that it has in all figures.
 fn mark_places(figure: &mut Figure, panel: &Panel, view: &View<'_>, acceleration: bool) {
-    for drawn in &view.drawn {
+    for drawn in &view.traces.drawn {
         let Some(depth) = drawn.trace.depth else {
             continue;
         };

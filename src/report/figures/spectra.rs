@@ -11,8 +11,9 @@ const HEIGHT: f64 = 444.0;
 
 /// Pseudo-acceleration response spectra of all places.
 pub(in super::super) fn response_spectra(view: &View<'_>) -> Option<Plate> {
-    let curves: Vec<_> = view.drawn.iter().filter(|d| !view.measures[d.index].psa.is_empty()).collect();
-    let top = curves.iter().map(|d| super::peak(&view.measures[d.index].psa)).fold(0.0, f64::max);
+    let curves: Vec<_> =
+        view.traces.drawn.iter().filter(|d| !view.traces.measures[d.index].psa.is_empty()).collect();
+    let top = curves.iter().map(|d| super::peak(&view.traces.measures[d.index].psa)).fold(0.0, f64::max);
     if curves.is_empty() || top <= 0.0 {
         return None;
     }
@@ -25,14 +26,14 @@ pub(in super::super) fn response_spectra(view: &View<'_>) -> Option<Plate> {
     let panel = Panel::draw(&mut figure, AT, x, y, true, true);
     panel.right_scale(&mut figure, &right);
     mark_site_period(&mut figure, &panel, view);
-    let mut table = Table::default().column("period_s", view.periods);
+    let mut table = Table::default().column("period_s", view.traces.periods);
     for d in &curves {
-        let psa = &view.measures[d.index].psa;
-        let points = view.periods.iter().copied().zip(psa.iter().copied());
+        let psa = &view.traces.measures[d.index].psa;
+        let points = view.traces.periods.iter().copied().zip(psa.iter().copied());
         panel.polyline(&mut figure, &points.collect::<Vec<_>>(), d.stroke);
         table = table.column(format!("{}_psa_m_s2", d.trace.place), psa.as_slice());
     }
-    figure.legend(AT.x + AT.width, &legend(&view.drawn));
+    figure.legend(AT.x + AT.width, &legend(&view.traces.drawn));
     panel.close(&mut figure);
     Some(Plate {
         figure,
@@ -46,10 +47,11 @@ pub(in super::super) fn response_spectra(view: &View<'_>) -> Option<Plate> {
 /// Ratio of the response spectra, surface over outcrop.
 pub(in super::super) fn ratio(view: &View<'_>) -> Option<Plate> {
     let psa = |place: &str| {
-        view.drawn
+        view.traces
+            .drawn
             .iter()
             .find(|d| d.trace.place == place)
-            .map(|d| &view.measures[d.index].psa)
+            .map(|d| &view.traces.measures[d.index].psa)
             .filter(|psa| !psa.is_empty())
     };
     let (surface, outcrop) = (psa("surface")?, psa("outcrop")?);
@@ -63,9 +65,9 @@ pub(in super::super) fn ratio(view: &View<'_>) -> Option<Plate> {
     let panel = Panel::draw(&mut figure, at, x, y, true, true);
     panel.horizontal(&mut figure, 1.0, AUXILIARY);
     mark_site_period(&mut figure, &panel, view);
-    let points: Vec<_> = view.periods.iter().copied().zip(ratio.iter().copied()).collect();
+    let points: Vec<_> = view.traces.periods.iter().copied().zip(ratio.iter().copied()).collect();
     panel.polyline(&mut figure, &points, SURFACE);
-    let period = view.periods[index];
+    let period = view.traces.periods[index];
     let (px, py) = (panel.px(period), panel.py(top));
     figure.dot(px, py, 4.0, SURFACE.colour);
     let label = format!("{} at {} s", significant(top, 3), significant(period, 3));
@@ -73,7 +75,8 @@ pub(in super::super) fn ratio(view: &View<'_>) -> Option<Plate> {
         if px > at.x + at.width * 0.75 { (Anchor::End, -9.0) } else { (Anchor::Start, 9.0) };
     figure.text(px + shift, py + 4.0, &label, Text::new(12.0).anchor(anchor).halo());
     panel.close(&mut figure);
-    let table = Table::default().column("period_s", view.periods).column("psa_ratio_surface_outcrop", ratio);
+    let table =
+        Table::default().column("period_s", view.traces.periods).column("psa_ratio_surface_outcrop", ratio);
     Some(Plate {
         figure,
         csv: table.to_csv(),

@@ -4,6 +4,7 @@ mod gse;
 mod knet;
 mod mseed;
 mod sac;
+mod text;
 
 use super::reader::Segment;
 use super::unit::Unit;
@@ -54,7 +55,7 @@ pub(crate) struct RecordFormat {
 }
 
 /// All formats; the first row that recognises a file wins.
-pub(crate) const FORMATS: [RecordFormat; 5] = [
+pub(crate) const FORMATS: [RecordFormat; 13] = [
     // Fixed record headers: sequence number, quality letter, year and day. Samples are counts.
     RecordFormat {
         name: "miniSEED",
@@ -106,6 +107,16 @@ pub(crate) const FORMATS: [RecordFormat; 5] = [
         consistent: |_| Ok(()),
         damage: &[],
     },
+    // Text formats. Their readers are plug-ins of ObsPy (`inputs/python/hati_obspy`), which recognise
+    // them, check the samples against the header and refuse with the line.
+    text::format("COSMOS", "COSMOS"),
+    text::format("SMC", "SMC"),
+    text::format("RENADIC", "RENADIC"),
+    text::format("USC", "USC"),
+    text::format("CSMIP", "CSMIP"),
+    text::format("ESM", "ESM_DYNA"),
+    text::format("PEER", "PEER_AT2"),
+    text::format("text columns", "COLUMNS"),
 ];
 
 /// Names of all formats, for messages.
@@ -147,6 +158,17 @@ pub(crate) fn refused(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
         ));
     }
     None
+}
+
+/// Whether a file may be text: marked as UTF-16, or no zero byte and hardly a control character at its
+/// beginning.
+pub(crate) fn is_text(bytes: &[u8]) -> bool {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return true;
+    }
+    let head = &bytes[..bytes.len().min(4096)];
+    let control = head.iter().filter(|b| b.is_ascii_control() && !b.is_ascii_whitespace()).count();
+    !head.contains(&0) && control * 50 <= head.len()
 }
 
 /// The first bytes of a file in a form that can be printed.

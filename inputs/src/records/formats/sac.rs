@@ -12,6 +12,20 @@ const NPTS: usize = 4 * 79;
 const IFTYPE: usize = 4 * 85;
 const LEVEN: usize = 4 * 105;
 const LAST_LOGICAL: usize = 4 * 109;
+/// Year of the reference time; day, hour, minute, second and millisecond follow.
+const NZYEAR: usize = 4 * 70;
+/// Ranges of those six.
+const CLOCK: [(&str, std::ops::RangeInclusive<i32>); 6] = [
+    ("NZYEAR", 0..=2200),
+    ("NZJDAY", 0..=366),
+    ("NZHOUR", 0..=23),
+    ("NZMIN", 0..=59),
+    ("NZSEC", 0..=60),
+    ("NZMSEC", 0..=999),
+];
+/// Latitude and longitude of station and event with their largest magnitudes, degrees.
+const PLACES: [(&str, usize, f32); 4] =
+    [("STLA", 4 * 31, 90.0), ("STLO", 4 * 32, 360.0), ("EVLA", 4 * 35, 90.0), ("EVLO", 4 * 36, 360.0)];
 
 /// Header version 6, logical fields that are logical, a positive step, npts that fits the file's size.
 pub(super) fn recognise(bytes: &[u8]) -> Recognition {
@@ -29,7 +43,10 @@ pub(super) fn recognise(bytes: &[u8]) -> Recognition {
     let int = |at: usize| {
         if is_little { i32::from_le_bytes(four(at)) } else { i32::from_be_bytes(four(at)) }
     };
-    let delta = if is_little { f32::from_le_bytes(four(0)) } else { f32::from_be_bytes(four(0)) };
+    let float = |at: usize| {
+        if is_little { f32::from_le_bytes(four(at)) } else { f32::from_be_bytes(four(at)) }
+    };
+    let delta = float(0);
     let logical = (LEVEN..LAST_LOGICAL).step_by(4).all(|at| matches!(int(at), 0 | 1 | UNSET));
     if !logical {
         return Recognition::No;
@@ -47,9 +64,31 @@ pub(super) fn recognise(bytes: &[u8]) -> Recognition {
     } else if npts < 0 || needed != bytes.len() as i64 {
         Some(format!("NPTS = {npts} needs {needed} bytes, the file has {}", bytes.len()))
     } else {
-        None
+        outside(int, float)
     };
     problem.map_or(Recognition::Yes, Recognition::Broken)
+}
+
+/// A time or a place that does not exist; ObsPy would count its way to it, degree by degree.
+fn outside(int: impl Fn(usize) -> i32, float: impl Fn(usize) -> f32) -> Option<String> {
+    for (i, (name, range)) in CLOCK.iter().enumerate() {
+        let value = int(NZYEAR + 4 * i);
+        if value != UNSET && !range.contains(&value) {
+            let (low, high) = (range.start(), range.end());
+            return Some(format!("{name} = {value}; it must be {low} to {high}, or {UNSET} where unknown"));
+        }
+    }
+    for (name, at, largest) in PLACES {
+        let value = float(at);
+        // Not a number is outside as well.
+        let inside = value.abs() <= largest;
+        if value != UNSET as f32 && !inside {
+            return Some(format!(
+                "{name} = {value}° is no place; at most {largest}°, or {UNSET} where unknown"
+            ));
+        }
+    }
+    None
 }
 
 /// IDEP 6, 7 and 8 mean nm, nm/s and nm/s². SCALE is not applied by SAC itself but is by others, so a

@@ -2,10 +2,12 @@
 
 mod motion;
 mod output;
+mod process;
 mod reader;
 mod soil;
 
-pub(super) use reader::Checker;
+pub(super) use process::step;
+pub(super) use reader::{Checker, Place};
 
 use super::diagnostic::listed;
 use super::document::{Table, Value};

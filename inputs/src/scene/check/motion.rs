@@ -1,15 +1,14 @@
 //! `[motion]`: where it was recorded, its components, its processing.
 
-use crate::motion::Quantity;
-use crate::records::Unit;
+use crate::motion::{Process, Quantity, Scaling};
+use crate::records::{ResponseMode, Unit};
 
 use super::super::diagnostic::{plain, rounded};
 use super::super::document::{Node, Value};
 use super::super::files;
-use super::super::types::{
-    Band, Component, Motion, MotionKind, Offset, RecordFile, Scale, Synthetic, default_quantity,
-};
+use super::super::types::{Band, Component, Motion, MotionKind, RecordFile, Synthetic, default_quantity};
 use super::super::wavelet::{Wavelet, WaveletKind};
+use super::process;
 use super::reader::{Bounds, Checker, Place, Section};
 
 /// Most samples of a wavelet: a day at 100 Hz.
@@ -43,19 +42,12 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
         None => Some(default_quantity()),
         Some(_) => cx.word::<Quantity>(s, "quantity"),
     };
-    // The outer `Option` is "could be read", the inner one the format's own.
-    let scale = match s.get("scale") {
-        None => Some(None),
-        Some(node) => scale(cx, node, s.at("scale")).map(Some),
-    };
     let band = match s.get("band") {
         None => Some(Band::default()),
         Some(node) => band(cx, node, s.at("band")),
     };
-    let offset = match s.get("offset") {
-        None => Some(Offset::default()),
-        Some(node) => offset(cx, node, s.at("offset")),
-    };
+    let process = process::list(cx, s);
+    former_keys(cx, s);
     let given = ["x", "y", "z"].map(|axis| s.get(axis).is_some());
     if given == [false; 3] {
         cx.missing(
@@ -66,6 +58,9 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     }
     let [x, y, z] = ["x", "y", "z"].map(|axis| component(cx, s, axis, quantity));
     same_time_axis(cx, [&x, &y, &z]);
+    if let Some(process) = &process {
+        steps_without_record(cx, s, process, [&x, &y, &z]);
+    }
     if let Some(band) = band {
         band_of_wavelets(cx, band, [&x, &y, &z], s.at("band"));
     }
@@ -76,13 +71,12 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     });
     let complete = [&x, &y, &z].iter().zip(given).all(|(c, given)| c.is_some() == given);
     let place = s.at("kind");
-    let motion = match (kind, quantity, scale, band, offset) {
-        (Some(kind), Some(quantity), Some(scale), Some(band), Some(offset)) if complete => Some(Motion {
+    let motion = match (kind, quantity, band, process) {
+        (Some(kind), Some(quantity), Some(band), Some(process)) if complete => Some(Motion {
             kind,
             quantity,
-            scale,
             band,
-            offset,
+            process,
             x: x.map(|c| c.0),
             y: y.map(|c| c.0),
             z: z.map(|c| c.0),
@@ -92,45 +86,56 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     Read { motion, kind: kind.map(|k| (k, place)), given, synthetic }
 }
 
-fn scale(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Scale> {
-    let expected = "a table { factor = … } or { pga = … }";
-    let Value::Table(table) = &node.value else {
-        let help = match node.value {
-            Value::Integer(_) | Value::Float(_) => "for a factor write { factor = … }",
-            _ => "",
-        };
-        cx.wrong_type(place, &node.value, expected, help);
-        return None;
+/// The keys `offset` and `scale` of earlier versions, with what to write in their place.
+fn former_keys(cx: &mut Checker<'_>, s: &mut Section<'_>) {
+    let number = |node: &Node, key: &str| {
+        let Value::Table(table) = &node.value else { return None };
+        match table.get(key)?.value {
+            Value::Integer(i) => Some(i as f64),
+            Value::Float(x) => Some(x),
+            _ => None,
+        }
     };
-    let mut s = Section::new(table, place);
-    let factor = cx.number(&mut s, "factor", &Bounds::any(""));
-    let pga = cx.number(&mut s, "pga", &Bounds::positive("m/s²"));
-    let one = cx.only_one(&s, "factor", "pga", "");
-    if !s.has("factor") && !s.has("pga") {
-        cx.error(s.place.clone(), "expected `factor` or `pga` in the table", "");
+    let former = [s.get("offset"), s.get("scale")];
+    let mut steps: Vec<String> = vec![];
+    match former[0] {
+        Some(Node { value: Value::String(word), .. }) if word == "none" => {}
+        offset => {
+            let first_seconds = offset.and_then(|node| number(node, "first_seconds"));
+            steps.push(Process::Demean { first_seconds }.to_toml());
+        }
     }
-    cx.finish(&s);
-    match (factor, pga) {
-        (Some(0.0), _) => {
-            cx.error(
-                s.at("factor"),
-                "the factor is 0, which leaves no motion",
-                "leave the component out instead",
-            );
-            None
-        }
-        (Some(factor), None) if one => Some(Scale::Factor(factor)),
-        (None, Some(pga)) if one => {
-            if pga > 50.0 {
-                cx.warn(
-                    s.at("pga"),
-                    format!("{} m/s² is more than five times gravity", plain(pga)),
-                    "pga is in m/s²",
-                );
-            }
-            Some(Scale::Pga(pga))
-        }
-        _ => None,
+    let scaling = former[1].and_then(|node| {
+        let factor = number(node, "factor").map(Scaling::Factor);
+        factor.or(number(node, "pga").map(Scaling::Pga))
+    });
+    match scaling {
+        Some(scaling) => steps.push(Process::Scale(scaling).to_toml()),
+        None if former[1].is_some() => steps.push("{ step = \"scale\", … }".to_owned()),
+        None => {}
+    }
+    let help = format!("write process = [{}]", steps.join(", "));
+    for key in ["offset", "scale"].into_iter().filter(|key| s.has(key)).collect::<Vec<_>>() {
+        cx.error(s.at(key), "is a step of `process` now", &help);
+    }
+}
+
+/// Warns of steps for records in a scene without one.
+fn steps_without_record(
+    cx: &mut Checker<'_>,
+    s: &Section<'_>,
+    process: &[Process],
+    components: [&Placed; 3],
+) {
+    let record = |c: &&Placed| matches!(c, Some((Component::Record(_), _)));
+    if !s.has("process") || components.iter().any(record) || components.iter().all(|c| c.is_none()) {
+        return;
+    }
+    for (i, step) in process.iter().enumerate().filter(|(_, step)| step.mends_an_instrument()) {
+        let place = s.at("process");
+        let place = Place { path: format!("{}[{}]", place.path, i + 1), ..place };
+        let message = format!("`{}` acts on records, and this motion has wavelets only", step.word());
+        cx.warn(place, message, "take it out");
     }
 }
 
@@ -171,28 +176,6 @@ fn band(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Band> {
     }
 }
 
-fn offset(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Offset> {
-    const OR: &str = "a table { first_seconds = … }";
-    match &node.value {
-        Value::String(s) if s == "mean" => Some(Offset::Mean),
-        Value::String(s) if s == "none" => Some(Offset::None),
-        Value::String(s) => {
-            cx.unknown_word(place, s, &["mean", "none"], OR);
-            None
-        }
-        Value::Table(table) => {
-            let mut s = Section::new(table, place);
-            let first_seconds = cx.required_number(&mut s, "first_seconds", &Bounds::positive("s"));
-            cx.finish(&s);
-            first_seconds.map(|first_seconds| Offset::First { first_seconds })
-        }
-        other => {
-            cx.wrong_type(place, other, &format!("\"mean\", \"none\" or {OR}"), "");
-            None
-        }
-    }
-}
-
 fn component(
     cx: &mut Checker<'_>,
     motion: &mut Section<'_>,
@@ -203,22 +186,15 @@ fn component(
     let s = &mut section;
     let file = s.get("file");
     let wavelet = s.get("wavelet");
-    let unit = match s.get("unit") {
-        None => Some(None),
-        Some(_) => cx.word::<Unit>(s, "unit").map(Some),
-    };
-    let channel = match s.get("channel") {
-        None => Some(None),
-        Some(_) => cx.text(s, "channel").map(Some),
-    };
+    let record = record_keys(cx, s);
     let one = cx.only_one(s, "file", "wavelet", "a component is either a record or a synthetic pulse");
     if file.is_none() && wavelet.is_none() {
         cx.missing(s, "file", "give `file` with a record, or `wavelet` with a synthetic pulse");
     }
-    if let (Some(Some(unit)), Some(quantity)) = (unit, quantity)
+    if let (Some(unit), Some(quantity)) = (record.as_ref().and_then(|r| r.unit), quantity)
         && unit.quantity() != quantity
     {
-        let message = format!("{unit} is a unit of {}, but motion.quantity is {quantity}", unit.quantity(),);
+        let message = format!("{unit} is a unit of {}, but motion.quantity is {quantity}", unit.quantity());
         let help = format!("set motion.quantity = \"{}\", or correct the unit", unit.quantity());
         cx.error(s.at("unit"), message, &help);
     }
@@ -226,15 +202,12 @@ fn component(
         Place { path: s.place.path.clone(), at: s.at(if wavelet.is_some() { "wavelet" } else { "file" }).at };
     let read = match (file, wavelet) {
         (Some(node), None) => file_name(cx, node, s.at("file"))
-            .and_then(|file| Some(Component::Record(RecordFile { file, unit: unit?, channel: channel? }))),
+            .and_then(|file| Some(Component::Record(RecordFile { file, ..record? }))),
         (None, Some(node)) => {
-            for key in ["unit", "channel"] {
+            for key in ["unit", "channel", "dt", "metadata", "response", "pre_filter"] {
                 if s.has(key) {
-                    cx.error(
-                        s.at(key),
-                        "belongs to a file; a wavelet is in SI units and has no channels",
-                        "take it out",
-                    );
+                    let message = "belongs to a file; a wavelet is in SI units and has no channels";
+                    cx.error(s.at(key), message, "take it out");
                 }
             }
             wavelet_of(cx, node, s.at("wavelet")).map(|wavelet| Component::Synthetic(Synthetic { wavelet }))
@@ -243,6 +216,73 @@ fn component(
     };
     cx.finish(s);
     read.filter(|_| one).map(|c| (c, place))
+}
+
+/// What a component says about its file, without the file itself.
+fn record_keys(cx: &mut Checker<'_>, s: &mut Section<'_>) -> Option<RecordFile> {
+    // The outer `Option` is "could be read", the inner one the format's own.
+    let unit = match s.get("unit") {
+        None => Some(None),
+        Some(_) => cx.word::<Unit>(s, "unit").map(Some),
+    };
+    let channel = match s.get("channel") {
+        None => Some(None),
+        Some(_) => cx.text(s, "channel").map(Some),
+    };
+    let dt = cx.optional(s, "dt", &Bounds::positive("s"));
+    let metadata = match s.get("metadata") {
+        None => Some(None),
+        Some(node) => file_name(cx, node, s.at("metadata")).map(Some),
+    };
+    let response = match s.get("response") {
+        None => Some(None),
+        Some(_) => cx.word::<ResponseMode>(s, "response").map(Some),
+    };
+    let pre_filter = match s.get("pre_filter") {
+        None => Some(None),
+        Some(node) => pre_filter(cx, node, s.at("pre_filter")).map(Some),
+    };
+    let mut good = cx.only_one(s, "unit", "metadata", "with metadata the unit follows from the instrument");
+    for key in ["response", "pre_filter"] {
+        if s.has(key) && !s.has("metadata") && s.has("file") {
+            cx.error(
+                s.at(key),
+                "needs `metadata`",
+                "name the instrument's StationXML, RESP or pole-zero file",
+            );
+            good = false;
+        }
+    }
+    if s.has("pre_filter") && response == Some(Some(ResponseMode::Sensitivity)) {
+        let message = "has no use with response = \"sensitivity\", which divides by one number";
+        cx.error(s.at("pre_filter"), message, "take it out, or write response = \"full\"");
+        good = false;
+    }
+    let record = RecordFile {
+        file: String::new(),
+        unit: unit?,
+        channel: channel?,
+        dt: dt?,
+        metadata: metadata?,
+        response: response?,
+        pre_filter: pre_filter?,
+    };
+    good.then_some(record)
+}
+
+fn pre_filter(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<[f64; 4]> {
+    let corners = cx.numbers::<4>(node, place.clone(), &Bounds::at_least(0.0, "Hz"))?;
+    if corners.is_sorted_by(|a, b| a < b) {
+        return Some(corners);
+    }
+    let found: Vec<String> = corners.iter().map(|f| plain(*f)).collect();
+    let message = format!("expected four rising frequencies, found {} Hz", found.join(", "));
+    cx.error(
+        place,
+        message,
+        "zero below the first, whole between the second and the third, zero above the fourth",
+    );
+    None
 }
 
 fn file_name(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<String> {

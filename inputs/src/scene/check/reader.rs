@@ -21,9 +21,9 @@ pub(in super::super) struct Checker<'t> {
 
 /// A key in full and where it stands, for a finding.
 #[derive(Debug, Clone)]
-pub(super) struct Place {
-    pub(super) path: String,
-    pub(super) at: Origin,
+pub(in super::super) struct Place {
+    pub(in super::super) path: String,
+    pub(in super::super) at: Origin,
 }
 
 /// A table being read: remembers which keys were asked for, so that the rest can be called unknown.
@@ -248,6 +248,59 @@ impl<'t> Checker<'t> {
     ) -> Option<f64> {
         let node = section.get(key)?;
         self.number_of(node, section.at(key), bounds)
+    }
+
+    /// A number that may be left out; the outer `None` is a mistake that has been reported.
+    pub(super) fn optional(
+        &mut self,
+        section: &mut Section<'_>,
+        key: &'static str,
+        bounds: &Bounds,
+    ) -> Option<Option<f64>> {
+        match section.get(key) {
+            None => Some(None),
+            Some(_) => self.number(section, key, bounds).map(Some),
+        }
+    }
+
+    /// `true` or `false`; `false` where the key is missing.
+    pub(super) fn flag(&mut self, section: &mut Section<'_>, key: &'static str) -> Option<bool> {
+        match section.get(key).map(|node| &node.value) {
+            None => Some(false),
+            Some(Value::Boolean(flag)) => Some(*flag),
+            Some(other) => {
+                self.wrong_type(section.at(key), other, "true or false", "");
+                None
+            }
+        }
+    }
+
+    /// A list of so many numbers, each within the bounds.
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        node: &Node,
+        place: Place,
+        bounds: &Bounds,
+    ) -> Option<[f64; N]> {
+        let expected = format!("a list of {N} numbers");
+        let Value::List(list) = &node.value else {
+            self.wrong_type(place, &node.value, &expected, "");
+            return None;
+        };
+        let found: Vec<Option<f64>> = list
+            .iter()
+            .enumerate()
+            .map(|(i, n)| {
+                let place = Place { path: format!("{}[{}]", place.path, i + 1), at: n.at };
+                self.number_of(n, place, bounds)
+            })
+            .collect();
+        if found.len() != N {
+            self.error(place, format!("expected {expected}, found {}", found.len()), "");
+            return None;
+        }
+        let found: Option<Vec<f64>> = found.into_iter().collect();
+        found.and_then(|numbers| numbers.try_into().ok())
     }
 
     /// A number that has to be there.

@@ -1,0 +1,135 @@
+//! What an engineer must not miss about a recording, in words.
+
+use hati_inputs::motion::{Quantity, STANDARD_GRAVITY, Step};
+use hati_inputs::records::Channel;
+use serde_json::Value;
+
+use super::measured::Component;
+use super::{Measured, Recording};
+use crate::results::AXES;
+
+/// Share of the PGV above which a velocity that remains at the end is told.
+const VELOCITY_LEFT: f64 = 0.05;
+/// Multiple of the PGD from which on a displacement integrated from rest is told.
+const DRIFT: f64 = 2.0;
+/// Share of the PGA above which a mean is told.
+const MEAN_LEFT: f64 = 0.02;
+/// Relative distance from 1 g within which a mean is called gravity.
+const GRAVITY_TOLERANCE: f64 = 0.05;
+/// Factors outside this range change what kind of record it is.
+const MILD_SCALING: std::ops::RangeInclusive<f64> = 0.1..=10.0;
+
+/// All warnings of a recording, the gravest first.
+pub(super) fn warnings(recording: &Recording, measured: &Measured) -> Vec<String> {
+    let mut warnings: Vec<String> = recording.channels.iter().flatten().filter_map(implausible).collect();
+    warnings.extend(recording.motion.steps.iter().filter_map(of_step));
+    for component in &measured.components {
+        warnings.extend(mean(component));
+        warnings.extend(residual(component).or_else(|| drift(component)));
+    }
+    if recording.motion.quantity != Quantity::Acceleration {
+        let quantity = recording.motion.quantity;
+        warnings.push(format!("the motion is a {quantity}: accelerations here are its spectral derivative"));
+    }
+    for channel in recording.channels.iter().flatten() {
+        if channel.axis_hint.is_none() {
+            warnings.push(format!("channel {} tells no direction: it stands here as x", channel.id));
+        }
+        warnings.extend(channel.steps.iter().flat_map(|step| of_reading(&channel.id, step)));
+    }
+    warnings
+}
+
+fn number(map: &serde_json::Map<String, Value>, key: &str) -> Option<f64> {
+    map.get(key).and_then(Value::as_f64)
+}
+
+fn of_step(step: &Step) -> Option<String> {
+    match step.name.as_str() {
+        "demean" => {
+            let gravity = step.found.get("z").and_then(|z| z.get("gravity_g"))?;
+            let sign = if gravity.as_f64()? < 0.0 { "−" } else { "+" };
+            Some(format!("z carried gravity ({sign}1 g): it was taken off with the mean"))
+        }
+        "scale" | "match" => {
+            let factor = number(&step.found, "factor").or_else(|| number(&step.parameters, "factor"))?;
+            let far = !MILD_SCALING.contains(&factor.abs());
+            let why = ": a weak record made strong keeps the frequency content and duration of a weak one";
+            let why = if factor.abs() > *MILD_SCALING.end() { why } else { "" };
+            Some(format!("scaled by {factor:.4}{}{why}", if far { ", a large change" } else { "" }))
+        }
+        _ => None,
+    }
+}
+
+/// A mean that stays: gravity, or an offset that becomes a drift.
+fn mean(component: &Component) -> Option<String> {
+    let (mean, pga) = (component.mean, component.measures.pga);
+    let axis = AXES[component.trace.axis];
+    if (mean.abs() - STANDARD_GRAVITY).abs() <= GRAVITY_TOLERANCE * STANDARD_GRAVITY {
+        return Some(format!("{axis} carries gravity: its mean is {mean:.4} m/s²; take it off with demean"));
+    }
+    (mean.abs() > MEAN_LEFT * pga).then(|| {
+        let share = 100.0 * mean.abs() / pga;
+        format!(
+            "{axis} has a mean of {mean:.3e} m/s², {share:.0} % of its PGA: velocity and displacement drift"
+        )
+    })
+}
+
+/// A velocity that remains at the end of the record.
+fn residual(component: &Component) -> Option<String> {
+    let (axis, pgv) = (AXES[component.trace.axis], component.measures.pgv);
+    let end = *component.velocity_from_rest.last()?;
+    let displacement = *component.displacement_from_rest.last()?;
+    (pgv > 0.0 && end.abs() > VELOCITY_LEFT * pgv).then(|| {
+        format!(
+            "{axis} does not come to rest: integrated from rest it ends at {end:.3e} m/s, {:.0} % of its PGV, and \
+             {displacement:.3e} m; filter, baseline or rest mend that",
+            100.0 * end.abs() / pgv
+        )
+    })
+}
+
+/// A displacement that runs away although the ground is at rest in the end.
+fn drift(component: &Component) -> Option<String> {
+    let (axis, pgd) = (AXES[component.trace.axis], component.measures.pgd);
+    let peak = component.displacement_from_rest.iter().fold(0.0_f64, |peak, d| peak.max(d.abs()));
+    (pgd > 0.0 && peak > DRIFT * pgd).then(|| {
+        format!(
+            "{axis} drifts: integrated from rest its displacement reaches {peak:.3e} m, {:.1} times its PGD; a \
+             high-pass filter mends that",
+            peak / pgd
+        )
+    })
+}
+
+/// A peak that no ground motion has, under a unit that was given.
+fn implausible(channel: &Channel) -> Option<String> {
+    let mean = channel.samples.iter().sum::<f64>() / channel.samples.len().max(1) as f64;
+    let peak = channel.samples.iter().fold(0.0_f64, |peak, value| peak.max((value - mean).abs()));
+    let (low, high) = channel.quantity.plausible_peak();
+    (!(low..=high).contains(&peak)).then(|| {
+        let si = channel.quantity.si_unit();
+        format!(
+            "implausible: channel {} read in {} peaks at {peak:.3e} {si} about its mean, ground motions between \
+             {low:e} and {high} {si}; the unit is likely wrong",
+            channel.id, channel.unit_stored
+        )
+    })
+}
+
+/// What reading a channel gave rise to.
+fn of_reading(id: &str, step: &Step) -> Vec<String> {
+    let mut warnings = vec![];
+    let texts = step.parameters.get("warnings").and_then(Value::as_array);
+    for text in texts.into_iter().flatten().filter_map(Value::as_str) {
+        warnings.push(format!("channel {id}: the reader says: {text}"));
+    }
+    if let Some(factor) = number(&step.parameters, "calibration_not_applied") {
+        warnings.push(format!(
+            "channel {id}: the file's calibration factor {factor} was not applied, since a unit was given"
+        ));
+    }
+    warnings
+}
