@@ -3,7 +3,7 @@
 use super::{Control, Fixed, Notes, PlanError, Sizer, Weight};
 use crate::motion_input::MotionInput;
 use crate::spectrum::band_spectrum;
-use hati_inputs::motion::{Quantity, Step, usable_band};
+use hati_inputs::motion::{Process, Quantity, Step, usable_band};
 use hati_inputs::scene::{Auto, Band, FieldSpacing, Scene, Station};
 use hati_sem::soil::{Base, Layer, Profile};
 use num_complex::Complex64;
@@ -224,9 +224,17 @@ pub(super) fn extend(
     motion.steps.push(Step::new("zero padding", parameters));
     if scene.motion.band != Band::Full {
         motion.band(band.0, band.1.min(nyquist))?;
+        // The window has no phase and spreads below f_min: what it puts outside the record's time is cut, and
+        // what is left moves on. Where nothing below f_min is wanted, the ground ends where it began.
+        if band.0 > 0.0 && motion.len() > REST_SAMPLES {
+            Process::Rest {}.apply(motion)?;
+        }
     }
     Ok(input)
 }
+
+/// Samples from which a motion is brought to rest at its end.
+const REST_SAMPLES: usize = 100;
 
 /// Share of the peak velocity that may be left at the end without a word.
 const DRIFT: f64 = 0.05;
@@ -239,7 +247,7 @@ pub(super) fn warn_of_drift(input: &MotionInput, notes: &mut Notes) {
         let left = v.last().map_or(0.0, |x| x.abs());
         if left > DRIFT * peak {
             notes.warnings.push(format!(
-                "component {}: {:.0} % of the peak velocity is left when the motion ends, so displacements drift; raise the lower end of motion.band",
+                "component {}: {:.0} % of the peak velocity is left when the motion ends, so displacements drift; end motion.process with {{ step = \"rest\" }}, or give motion.band a lower end",
                 crate::results::AXES[axis],
                 100.0 * left / peak
             ));
