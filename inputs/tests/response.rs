@@ -193,3 +193,15 @@ fn settings_of_the_removal_are_checked_and_matter() {
     let highest = (0..6000).map(|i| ground(i as f64 * 0.01)).fold(0.0, f64::max);
     assert!((peak(&found) / highest - 1.0).abs() < 1e-4, "{} {highest}", peak(&found));
 }
+
+/// Metadata that come with the installed ObsPy package are found there.
+#[test]
+fn packaged_metadata_are_named_like_packaged_records() {
+    let Some(folder) = python::made_by("make_fixtures_response.py") else { return };
+    let packaged = |path: &str| with(folder.join("HNE.mseed"), path.into(), ResponseMode::Full);
+    let text =
+        one(packaged("obspy:io/stationxml/tests/data/IRIS_single_channel_with_response.xml")).unwrap_err();
+    assert!(text.to_string().contains("not XX.HATI.00.HNE"), "{text}");
+    let text = one(packaged("obspy:../metadata.xml")).unwrap_err();
+    assert!(matches!(text, InputError::PackagedOutside { .. }), "{text}");
+}

@@ -2,6 +2,9 @@
 
 use hati_inputs::records::Channel;
 
+/// How far two channels may be from square, degrees.
+const SQUARE_DEGREES: f64 = 1.0;
+
 /// Channels of one recording along x, y and z, each with the number of the source it came from.
 pub type Components = [Option<(usize, Channel)>; 3];
 
@@ -14,11 +17,15 @@ pub type Components = [Option<(usize, Channel)>; 3];
 /// - they are the same quantity at the same step (to 1e-6) and their times overlap, as far as known;
 /// - their directions are known and differ.
 ///
+/// Two horizontal channels of one instrument or file that point to no axis but stand square to each other are x
+/// and y: x the one 90° clockwise of y, seen from above, as east is of north.
+///
 /// A direction that comes twice cannot be sorted out: then only the channels of one file go together,
 /// and where even that leaves it twice each channel stands alone. A channel without direction stands
 /// alone as x.
 #[must_use]
-pub fn group(channels: Vec<(usize, Channel)>) -> Vec<Components> {
+pub fn group(mut channels: Vec<(usize, Channel)>) -> Vec<Components> {
+    stand_square(&mut channels);
     let mut clusters: Vec<Vec<(usize, Channel)>> = vec![];
     for (source, channel) in channels {
         let place = channel
@@ -30,6 +37,33 @@ pub fn group(channels: Vec<(usize, Channel)>) -> Vec<Components> {
         }
     }
     merged_by_file(clusters).into_iter().flat_map(sorted_out).collect()
+}
+
+/// Gives oblique pairs their axes; a channel that fits to several others is left alone.
+fn stand_square(channels: &mut [(usize, Channel)]) {
+    let pair = |a: &Channel, b: &Channel| {
+        let oblique = a.axis_hint.is_none() && b.axis_hint.is_none();
+        let same = a.quantity == b.quantity && (a.dt - b.dt).abs() <= 1e-6 * a.dt && overlap(a, b);
+        let (Some(first), Some(second)) = (a.azimuth(), b.azimuth()) else { return false };
+        let turn = (first - second - 90.0 + 180.0).rem_euclid(360.0) - 180.0;
+        oblique
+            && same
+            && (a.file == b.file || instrument(a) == instrument(b))
+            && turn.abs() <= SQUARE_DEGREES
+    };
+    let mut pairs = vec![];
+    for x in 0..channels.len() {
+        for y in 0..channels.len() {
+            if x != y && pair(&channels[x].1, &channels[y].1) {
+                pairs.push((x, y));
+            }
+        }
+    }
+    let once = |i: usize| pairs.iter().filter(|(x, y)| *x == i || *y == i).count() == 1;
+    for &(x, y) in pairs.iter().filter(|(x, y)| once(*x) && once(*y)) {
+        channels[x].1.axis_hint = Some(0);
+        channels[y].1.axis_hint = Some(1);
+    }
 }
 
 /// Puts the clusters of one file together that differ in their location code only, as formats with numbered
@@ -215,6 +249,29 @@ mod tests {
             ids(&found),
             [["...EW", "...NS", ""], ["...EW", "", ""], ["...", "", ""], ["...", "", ""]]
         );
+    }
+
+    #[test]
+    fn oblique_channels_that_stand_square_are_x_and_y() {
+        use hati_inputs::motion::Step;
+        let oblique = |id: &str, azimuth: f64| {
+            let (source, mut channel) = channel(id, "v2", None, None);
+            let step = Step::new("read", serde_json::json!({}));
+            channel.steps = vec![step.with_found(serde_json::json!({ "azimuth_deg": azimuth }))];
+            (source, channel)
+        };
+        let up = || channel("CE.1.02.UP", "v2", Some(2), None);
+        let found = group(vec![oblique("CE.1.01.042", 42.0), up(), oblique("CE.1.03.132", 132.0)]);
+        assert_eq!(ids(&found), [["CE.1.03.132", "CE.1.01.042", "CE.1.02.UP"]]);
+        // West and south; and across north.
+        for (x, y) in [(270.0, 180.0), (30.0, 300.0)] {
+            let found = group(vec![oblique("CE.1.01.a", y), oblique("CE.1.03.b", x)]);
+            assert_eq!(ids(&found), [["CE.1.03.b", "CE.1.01.a", ""]]);
+        }
+        let skew = group(vec![oblique("CE.1.01.042", 42.0), oblique("CE.1.03.142", 142.0)]);
+        assert_eq!(skew.len(), 2);
+        let three = [42.0, 132.0, 222.0].map(|azimuth| oblique("CE.1.01.h", azimuth));
+        assert_eq!(group(three.into()).len(), 3);
     }
 
     #[test]

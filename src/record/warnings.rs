@@ -1,6 +1,6 @@
 //! What an engineer must not miss about a recording, in words.
 
-use hati_inputs::motion::{Quantity, STANDARD_GRAVITY, Step};
+use hati_inputs::motion::{Quantity, Step, gravity};
 use hati_inputs::records::Channel;
 use serde_json::Value;
 
@@ -14,10 +14,6 @@ const VELOCITY_LEFT: f64 = 0.05;
 const DRIFT: f64 = 2.0;
 /// Share of the PGA above which a mean is told.
 const MEAN_LEFT: f64 = 0.02;
-/// Relative distance from 1 g within which a mean is called gravity.
-const GRAVITY_TOLERANCE: f64 = 0.05;
-/// Factors outside this range change what kind of record it is.
-const MILD_SCALING: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
 /// All warnings of a recording, the gravest first.
 pub(super) fn warnings(recording: &Recording, measured: &Measured) -> Vec<String> {
@@ -32,6 +28,15 @@ pub(super) fn warnings(recording: &Recording, measured: &Measured) -> Vec<String
         warnings.push(format!("the motion is a {quantity}: accelerations here are its spectral derivative"));
     }
     for channel in recording.channels.iter().flatten() {
+        if let (Some(axis), Some(azimuth)) = (channel.axis_hint, channel.azimuth())
+            && axis < 2
+            && (azimuth - [90.0, 0.0][axis] + 180.0).rem_euclid(360.0) - 180.0 != 0.0
+        {
+            warnings.push(format!(
+                "{} stands for the direction {azimuth}° from north (channel {})",
+                AXES[axis], channel.id
+            ));
+        }
         if channel.axis_hint.is_none() {
             warnings.push(format!("channel {} tells no direction: it stands here as x", channel.id));
         }
@@ -40,33 +45,24 @@ pub(super) fn warnings(recording: &Recording, measured: &Measured) -> Vec<String
     warnings
 }
 
-fn number(map: &serde_json::Map<String, Value>, key: &str) -> Option<f64> {
-    map.get(key).and_then(Value::as_f64)
+/// What a step says of itself; a factor is told whatever its size.
+fn of_step(step: &Step) -> Option<String> {
+    let scaled = || {
+        let factor = number(&step.found, "factor").filter(|_| step.name == "scale")?;
+        Some(format!("the motion is scaled by {factor:.4}"))
+    };
+    step.warning().or_else(scaled)
 }
 
-fn of_step(step: &Step) -> Option<String> {
-    match step.name.as_str() {
-        "demean" => {
-            let gravity = step.found.get("z").and_then(|z| z.get("gravity_g"))?;
-            let sign = if gravity.as_f64()? < 0.0 { "−" } else { "+" };
-            Some(format!("z carried gravity ({sign}1 g): it was taken off with the mean"))
-        }
-        "scale" | "match" => {
-            let factor = number(&step.found, "factor").or_else(|| number(&step.parameters, "factor"))?;
-            let far = !MILD_SCALING.contains(&factor.abs());
-            let why = ": a weak record made strong keeps the frequency content and duration of a weak one";
-            let why = if factor.abs() > *MILD_SCALING.end() { why } else { "" };
-            Some(format!("scaled by {factor:.4}{}{why}", if far { ", a large change" } else { "" }))
-        }
-        _ => None,
-    }
+fn number(map: &serde_json::Map<String, Value>, key: &str) -> Option<f64> {
+    map.get(key).and_then(Value::as_f64)
 }
 
 /// A mean that stays: gravity, or an offset that becomes a drift.
 fn mean(component: &Component) -> Option<String> {
     let (mean, pga) = (component.mean, component.measures.pga);
     let axis = AXES[component.trace.axis];
-    if (mean.abs() - STANDARD_GRAVITY).abs() <= GRAVITY_TOLERANCE * STANDARD_GRAVITY {
+    if gravity(Quantity::Acceleration, mean).is_some() {
         return Some(format!("{axis} carries gravity: its mean is {mean:.4} m/s²; take it off with demean"));
     }
     (mean.abs() > MEAN_LEFT * pga).then(|| {
@@ -98,7 +94,7 @@ fn drift(component: &Component) -> Option<String> {
     (pgd > 0.0 && peak > DRIFT * pgd).then(|| {
         format!(
             "{axis} drifts: integrated from rest its displacement reaches {peak:.3e} m, {:.1} times its PGD; a \
-             high-pass filter mends that",
+             high-pass filter, baseline or rest mends that",
             peak / pgd
         )
     })

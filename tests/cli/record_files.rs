@@ -56,7 +56,9 @@ fn the_page_shows_what_was_found_done_and_measured() {
     three_components(python, folder.path(), 40);
     let words =
         ["three.mseed", "--unit", "mm/s2", "--process", "demean", "--process", "scale pga=3", "--out", "r"];
-    let answer = record(python, folder.path(), &words).exits(0).tells(&["warning: XX.THREE.HN: scaled by 1"]);
+    let answer = record(python, folder.path(), &words)
+        .exits(0)
+        .tells(&["warning: XX.THREE.HN: the motion is scaled by 1"]);
     assert!(answer.stdout.ends_with("r/report.html\n"), "{}", answer.stdout);
     let run = folder.path().join("r");
     let html = read(&run.join("report.html"));

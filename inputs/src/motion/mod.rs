@@ -37,6 +37,16 @@ use serde_json::json;
 /// Standard gravity, m/s² (exact by definition).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
 
+/// Relative distance from 1 g within which the mean of an accelerogram is called gravity.
+const GRAVITY_TOLERANCE: f64 = 0.05;
+
+/// The sign of the gravity that a channel with this mean (SI) carries: an acceleration within 5 % of ±1 g.
+#[must_use]
+pub fn gravity(quantity: Quantity, mean: f64) -> Option<f64> {
+    let off = (mean.abs() - STANDARD_GRAVITY).abs() / STANDARD_GRAVITY;
+    (quantity == Quantity::Acceleration && off <= GRAVITY_TOLERANCE).then_some(mean.signum())
+}
+
 /// Names of the axes by index: x, y horizontal, z up.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 

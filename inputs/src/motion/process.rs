@@ -21,7 +21,7 @@ use crate::error::InputError;
 #[schemars(extend("x-section" = true))]
 pub enum Process {
     /// Subtract from each component its mean, over the whole record or over its first seconds, which should come before
-    /// the first arrival. A vertical acceleration whose offset is within 5 % of ±1 g carries gravity; it is taken off,
+    /// the first arrival. An acceleration whose offset is within 5 % of ±1 g carries gravity; it is taken off,
     /// and said.
     ///
     /// $x_i \leftarrow x_i - \frac1m\sum_{j<m} x_j$, m the samples averaged.

@@ -5,11 +5,8 @@ use std::f64::consts::PI;
 use serde_json::{Map, Value, json};
 
 use super::process::{per_component, refuse, unfit};
-use super::{BandWindow, Motion, Quantity, STANDARD_GRAVITY, Spectrum, Step};
+use super::{BandWindow, Motion, Quantity, Spectrum, Step, gravity};
 use crate::error::InputError;
-
-/// Relative distance from 1 g within which the mean of a vertical accelerogram is called gravity.
-const GRAVITY_TOLERANCE: f64 = 0.05;
 
 /// Share of a step within which a time counts as that of a sample.
 const ON_SAMPLE: f64 = 1e-6;
@@ -35,14 +32,13 @@ pub(super) fn demean(
         }
     };
     let quantity = motion.quantity;
-    let mut found = per_component(motion, |axis, samples| {
+    let mut found = per_component(motion, |_, samples| {
         let mean = samples[..count].iter().sum::<f64>() / count as f64;
         samples.iter_mut().for_each(|value| *value -= mean);
         let mut entry = Map::new();
         entry.insert(format!("offset_{}", quantity.key_suffix()), json!(mean));
-        let off_gravity = (mean.abs() - STANDARD_GRAVITY).abs() / STANDARD_GRAVITY;
-        if axis == 2 && quantity == Quantity::Acceleration && off_gravity <= GRAVITY_TOLERANCE {
-            entry.insert("gravity_g".into(), json!(mean.signum()));
+        if let Some(sign) = gravity(quantity, mean) {
+            entry.insert("gravity_g".into(), json!(sign));
         }
         Value::Object(entry)
     });

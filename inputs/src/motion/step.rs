@@ -55,14 +55,16 @@ impl Step {
         };
         match self.name.as_str() {
             "demean" => {
-                let sign = number(self.found.get("z")?.as_object()?, "gravity_g")?;
+                let (axis, sign) = worst(&|entry| number(entry, "gravity_g"))?;
                 let sign = if sign < 0.0 { "−" } else { "+" };
+                let which = if axis == "z" { "" } else { ", though it is no vertical one" };
                 Some(format!(
-                    "the vertical channel carried gravity ({sign}1 g); it was removed with the offset"
+                    "channel {axis} carried gravity ({sign}1 g){which}; it was removed with the offset"
                 ))
             }
-            "scale" => {
-                let factor = number(&self.found, "factor")?;
+            "scale" | "match" => {
+                let scale = || worst(&|entry| number(entry, "scale")).map(|(_, scale)| scale);
+                let factor = number(&self.found, "factor").or_else(scale)?;
                 let why = match factor.abs() {
                     f if f > 10.0 => {
                         ": a weak record made strong keeps the frequency content and duration of a weak one"

@@ -38,14 +38,15 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use crate::error::InputError;
-use crate::motion::{Quantity, STANDARD_GRAVITY};
+use crate::motion::{Quantity, gravity};
 use formats::{FORMATS, Recognition, RecordFormat, StoredUnit};
 use reader::{Answer, Ground, Reader, Segment};
 
 /// Bounds on what is read, so that a damaged or crafted file costs an error and not the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Time for one call, process start included; default 60 s.
+    /// Time for one call, process start included; default 60 s. A call for several files has a second more
+    /// for each.
     pub time: Duration,
     /// Largest file, bytes; default 512 MiB.
     pub file_bytes: u64,
@@ -135,6 +136,14 @@ pub struct Channel {
     pub sha256: String,
 }
 
+impl Channel {
+    /// Direction of a horizontal channel, degrees clockwise from north, where the file states it.
+    #[must_use]
+    pub fn azimuth(&self) -> Option<f64> {
+        self.steps.first()?.found.get("azimuth_deg")?.as_f64()
+    }
+}
+
 /// Reads all channels of one file; see [`read_many`].
 pub fn read(location: &Path, options: &ReadOptions) -> Result<Vec<Channel>, InputError> {
     let mut files = read_many(&[Source::new(location)], options)?;
@@ -159,6 +168,9 @@ pub fn read_each(
     sources: &[Source],
     options: &ReadOptions,
 ) -> Result<Vec<Result<Vec<Channel>, InputError>>, InputError> {
+    let mut options = options.clone();
+    options.limits.time += Duration::from_secs(sources.len().saturating_sub(1) as u64);
+    let options = &options;
     let mut process = None;
     let mut recognised = Vec::with_capacity(sources.len());
     for source in sources {
@@ -202,14 +214,14 @@ impl<'a> Recognised<'a> {
         process: &mut Option<Reader>,
         options: &ReadOptions,
     ) -> Result<Self, InputError> {
-        let limit = options.limits.file_bytes;
-        let content = match location::packaged(&source.location)? {
-            None => location::content(&source.location, limit)?,
+        let mut content_of = |location: &Path, limit| match location::packaged(location)? {
+            None => location::content(location, limit),
             Some(inner) => {
                 let root = running(process, options)?.package_root()?;
-                location::content_packaged(&source.location, &root, &inner, limit)?
+                location::content_packaged(location, &root, &inner, limit)
             }
         };
+        let content = content_of(&source.location, options.limits.file_bytes)?;
         let format = recognise(&source.location, &content)?;
         let unit = source.unit.or(options.unit);
         if let (Some(response), Some(unit)) = (&source.response, unit) {
@@ -219,7 +231,12 @@ impl<'a> Recognised<'a> {
                 metadata: response.metadata.clone(),
             });
         }
-        let metadata = source.response.as_ref().map(Response::load).transpose()?;
+        let mut metadata = None;
+        if let Some(response) = &source.response {
+            let content = content_of(&response.metadata, response::METADATA_BYTES)?;
+            let format = response::metadata_format(&response.metadata, &content)?;
+            metadata = Some((content, format));
+        }
         Ok(Self { source, format, content, metadata })
     }
 
@@ -394,7 +411,8 @@ impl Origin<'_> {
             });
         }
         let mut unit_step = self.unit_step(&whole, &unit, given, removed.as_ref());
-        if let Some(sign) = gravity(unit.quantity, &samples) {
+        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        if let Some(sign) = gravity(unit.quantity, mean) {
             unit_step.found.insert("gravity_g".into(), json!(sign));
         }
         let steps = vec![self.read_step(&whole), unit_step];
@@ -565,16 +583,6 @@ impl Origin<'_> {
             high,
         })
     }
-}
-
-/// Relative distance from 1 g within which the mean of an accelerogram is called gravity.
-const GRAVITY_TOLERANCE: f64 = 0.05;
-
-/// The sign of the gravity that an acceleration (m/s²) carries: its mean is within 5 % of ±1 g.
-pub(crate) fn gravity(quantity: Quantity, samples: &[f64]) -> Option<f64> {
-    let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
-    let off = (mean.abs() - STANDARD_GRAVITY).abs() / STANDARD_GRAVITY;
-    (quantity == Quantity::Acceleration && off <= GRAVITY_TOLERANCE).then_some(mean.signum())
 }
 
 fn sha256(content: &[u8]) -> String {

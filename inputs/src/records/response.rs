@@ -7,12 +7,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::formats::StoredUnit;
-use super::location;
 use crate::error::InputError;
 use crate::motion::Quantity;
 
 /// Largest metadata file, bytes: a whole network's StationXML stays below.
-const METADATA_BYTES: u64 = 64 << 20;
+pub(super) const METADATA_BYTES: u64 = 64 << 20;
 
 /// How counts become ground motion.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -47,7 +46,7 @@ impl ResponseMode {
 /// seismometer); no quantity is turned into another one here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Response {
-    /// A local file: FDSN StationXML, RESP, or SAC poles and zeros. Told from its content.
+    /// A local file, or `obspy:PATH`: FDSN StationXML, RESP, or SAC poles and zeros. Told from its content.
     pub metadata: PathBuf,
     /// How.
     #[serde(default)]
@@ -69,13 +68,6 @@ impl Response {
         Self { metadata: metadata.into(), mode: ResponseMode::Full, pre_filter: None, water_level: None }
     }
 
-    /// Content of the metadata file and ObsPy's word for its format.
-    pub(super) fn load(&self) -> Result<(Vec<u8>, &'static str), InputError> {
-        let content = location::content(&self.metadata, METADATA_BYTES)?;
-        let format = metadata_format(&self.metadata, &content)?;
-        Ok((content, format))
-    }
-
     /// The request to the reader process for metadata of so many bytes.
     pub(super) fn request(&self, format: &str, bytes: usize) -> Value {
         json!({
@@ -86,7 +78,7 @@ impl Response {
 }
 
 /// Tells StationXML, RESP and SAC pole-zero files apart by their content.
-fn metadata_format(path: &Path, content: &[u8]) -> Result<&'static str, InputError> {
+pub(super) fn metadata_format(path: &Path, content: &[u8]) -> Result<&'static str, InputError> {
     let refused = |problem: String| InputError::MetadataUnknown { path: path.into(), problem };
     let text = String::from_utf8_lossy(content);
     let text = text.trim_start_matches('\u{feff}').trim_start();

@@ -62,8 +62,9 @@ fn warnings(summary: &Value) -> String {
     }
     // What changes every number on the page is larger than the rest.
     let loud = |w: &Value| {
-        w.as_str()
-            .is_some_and(|w| w.starts_with("scaled") || w.starts_with("implausible") || w.contains("gravity"))
+        w.as_str().is_some_and(|w| {
+            w.contains("is scaled by") || w.starts_with("implausible") || w.contains("gravity")
+        })
     };
     let items: String = (warnings.iter())
         .map(|w| format!("<li{}>{}</li>", if loud(w) { " class=\"loud\"" } else { "" }, show(Some(w))))
