@@ -49,6 +49,16 @@ fn regulatory_guide_160_has_its_control_points_and_straight_lines_between() {
     }
 }
 
+/// 3 % lies a third of the way from 2 to 5 %: B = 3.54 − 0.93/3, C = 4.25 − 1.12/3.
+#[test]
+fn factors_of_the_guide_are_interpolated_linearly_in_damping() {
+    let between = spectrum(json!({ "kind": "rg160", "pga": 1.0, "damping": 0.03 }));
+    assert_relative_eq!(between.psa(1.0 / 9.0), 3.23, max_relative = 1e-12);
+    assert_relative_eq!(between.psa(0.4), 4.25 - 1.12 / 3.0, max_relative = 1e-12);
+    assert_relative_eq!(between.psa(0.01), 1.0);
+    assert!(between.check().is_ok());
+}
+
 #[test]
 fn the_vertical_spectrum_of_the_guide_is_two_thirds_at_long_periods_and_the_same_at_short_ones() {
     for (damping, c, d) in
@@ -110,7 +120,8 @@ fn points_are_joined_on_logarithmic_axes() {
 #[test]
 fn spectra_that_cannot_be_are_refused_with_what_would_do() {
     let cases = [
-        (json!({ "kind": "rg160", "pga": 1.0, "damping": 0.03 }), "0.005, 0.02, 0.05, 0.07 or 0.10"),
+        (json!({ "kind": "rg160", "pga": 1.0, "damping": 0.004 }), "from 0.005 to 0.10"),
+        (json!({ "kind": "rg160", "pga": 1.0, "damping": 0.12 }), "from 0.005 to 0.10"),
         (json!({ "kind": "rg160", "pga": -1.0 }), "pga = -1; expected a positive number"),
         (json!({ "kind": "eurocode8", "type": 1, "ground": "A", "ag": 1.0, "damping": 0.0 }), "above 0"),
         (json!({ "kind": "points", "periods": [0.1, 0.1], "psa": [1.0, 1.0] }), "a period above 0.1 s"),

@@ -14,6 +14,7 @@ mod plan;
 mod program;
 mod python;
 mod record;
+mod record_bad_input;
 mod record_files;
 mod regression;
 mod results;

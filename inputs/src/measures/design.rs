@@ -49,6 +49,7 @@ fn five_percent() -> f64 {
 /// displacement, 36 in (0.9144 m) for 1 g: `PSA_D = D · 0.9144 m · (pga/g) · (2π 0.25 Hz)²`. Between
 /// them straight lines on logarithmic axes; above 33 Hz PSA = PGA (the vertical one has A = 1 too, of the
 /// horizontal PGA); below 0.25 Hz the displacement is constant, PSA ∝ 1/T².
+/// For a damping ratio between two rows the factors are interpolated linearly, as the guide asks.
 ///
 /// | damping, % | horizontal A, B, C, D | vertical A, B, C, D |
 /// |---|---|---|
@@ -69,9 +70,9 @@ pub struct Rg160 {
     /// Peak horizontal ground acceleration, also for the vertical spectrum.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s²"))]
     pub pga: f64,
-    /// Damping ratio: 0.005, 0.02, 0.05, 0.07 or 0.10, the rows of the guide's tables.
+    /// Damping ratio, 0.005 to 0.10; factors between the rows of the guide's tables lie on straight lines.
     #[serde(default = "five_percent")]
-    #[schemars(extend("x-unit" = "1"))]
+    #[schemars(extend("minimum" = 0.005, "maximum" = 0.1, "x-unit" = "1"))]
     pub damping: f64,
     /// Whose spectrum; absent: that of the component (z vertical), horizontal where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -93,13 +94,18 @@ const RG160_ROWS: [Rg160Row; 5] = [
 const RG160_DISPLACEMENT: f64 = 0.9144;
 
 impl Rg160 {
-    fn row(&self) -> Option<&'static Rg160Row> {
-        RG160_ROWS.iter().find(|row| (row.0 - self.damping).abs() < 1e-9)
+    /// Factors of the damping ratio, straight lines in damping between the rows.
+    fn factors(&self) -> Option<Rg160Row> {
+        let between = |pair: &&[Rg160Row]| pair[0].0 <= self.damping && self.damping <= pair[1].0;
+        let [low, high] = RG160_ROWS.windows(2).find(between)? else { return None };
+        let share = (self.damping - low.0) / (high.0 - low.0);
+        let between = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + share * (b[i] - a[i]));
+        Some((self.damping, between(low.1, high.1), between(low.2, high.2)))
     }
 
     /// Control points by increasing period: s and m/s².
     fn control_points(&self) -> Option<[(f64, f64); 4]> {
-        let (_, horizontal, vertical) = self.row()?;
+        let (_, horizontal, vertical) = self.factors()?;
         let (factors, corner) = match self.direction.unwrap_or(Direction::Horizontal) {
             Direction::Horizontal => (horizontal, 2.5),
             Direction::Vertical => (vertical, 3.5),
@@ -180,8 +186,8 @@ pub enum Ground {
 /// ground. The standard's formula ends at 4 s; here it goes on with constant displacement, which is not
 /// below the standard's informative annex A.
 ///
-/// All numbers of the three tables agree with those of a public seismology library; types 1 and 2 on ground C
-/// (type 2), and table 3.4 for type 2, also with a finite-element vendor's example. They were not
+/// All numbers of the three tables agree with those of a public seismology library; the row of
+/// ground C for type 2, and table 3.4 for type 2, also with a finite-element vendor's example. They were not
 /// compared with the standard's own pages.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -324,16 +330,16 @@ impl DesignSpectrum {
 
     /// Refuses numbers for which there is no spectrum.
     ///
-    /// Errors: an acceleration that is not positive; a damping that the guide does not tabulate (Regulatory
+    /// Errors: an acceleration that is not positive; a damping outside 0.005 to 0.10 (Regulatory
     /// Guide 1.60) or outside 0 to 0.5; points that are fewer than two, not positive, not increasing, or
     /// whose lists differ in length.
     pub fn check(&self) -> Result<(), InputError> {
         match self {
             Self::Rg160(spectrum) => {
                 positive("pga", spectrum.pga)?;
-                if spectrum.row().is_none() {
-                    let rows = "0.005, 0.02, 0.05, 0.07 or 0.10, the rows of Regulatory Guide 1.60";
-                    return refuse("spectrum.damping", spectrum.damping, rows);
+                if spectrum.factors().is_none() {
+                    let range = "a ratio from 0.005 to 0.10, the range of Regulatory Guide 1.60";
+                    return refuse("spectrum.damping", spectrum.damping, range);
                 }
                 Ok(())
             }
