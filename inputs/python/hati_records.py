@@ -330,6 +330,8 @@ def by_poles_and_zeros(numpy, trace, content, asked):
         taper=True,
         taper_fraction=0.05,
         pre_filt=about["pre_filter_hz"],
+        # Nothing is taken off afterwards.
+        pitsasim=False,
     )
     return numpy.asarray(data, dtype="f8"), about
 

@@ -377,3 +377,29 @@ fn a_python_that_is_missing_silent_or_slow_is_told_apart() {
     assert!(matches!(error, InputError::ObspyMissing { .. }), "{error}");
     assert!(error.to_string().contains("pip install obspy==1.5.0"), "{error}");
 }
+
+/// K-NET states its peak: a scale factor that does not give it is wrong.
+#[test]
+fn a_scale_factor_that_misses_the_stated_peak_is_refused() {
+    let Some(folder) = fixtures() else { return };
+    let text = std::fs::read_to_string(folder.join("east.knet")).unwrap();
+    let line = text.lines().find(|line| line.starts_with("Scale Factor")).unwrap();
+    let wrong = text.replace(line, &line.replace("(gal)/8388608", "(gal)/83886080"));
+    assert_ne!(text, wrong);
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("scale-{}.EW", std::process::id()));
+    std::fs::write(&path, wrong).unwrap();
+    let error = refusal(&path, &ReadOptions::default());
+    std::fs::remove_file(&path).unwrap();
+    assert!(error.to_string().contains("Max. Acc. is 14"), "{error}");
+    assert!(error.to_string().contains("counts times Scale Factor give"), "{error}");
+}
+
+/// A unit that is given sets the file's own aside; the step says which.
+#[test]
+fn a_given_unit_tells_what_the_file_states() {
+    let Some(folder) = fixtures() else { return };
+    let told = read(&folder.join("east.knet"), &with_unit(Unit::Gal)).unwrap().remove(0);
+    assert_eq!(told.steps[1].found["file_states"], "counts × scale factor (gal/count)");
+    let own = read(&folder.join("east.knet"), &ReadOptions::default()).unwrap().remove(0);
+    assert!(own.steps[1].found.get("file_states").is_none());
+}

@@ -40,8 +40,12 @@ impl ResponseMode {
 
 /// The response of the instrument that made a record, and how it is taken off.
 ///
-/// The full response is removed in the frequency domain: mean off, half-cosine taper of 5 % at both ends,
-/// spectrum times the cosine window `pre_filter`, divided by the response from ground motion to counts.
+/// The full response is removed in the frequency domain by ObsPy: mean off, cosine taper over 2.5 % at either end
+/// (its `taper_fraction` of 0.05 counts both), spectrum times the cosine window `pre_filter`, divided by the response from ground motion to counts.
+/// Stages of StationXML include the delays of the digitiser's FIR filters as the metadata state them; poles and
+/// zeros hold none, so that the same record by the two may differ by a sample or so in time: take one kind
+/// for all components.
+///
 /// The result is the instrument's own quantity (m/s² for an accelerometer, m/s for a velocity
 /// seismometer); no quantity is turned into another one here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

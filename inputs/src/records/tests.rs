@@ -1,5 +1,6 @@
 use super::checks::clipped;
 use super::formats::{Recognition, refused};
+use super::naming::{axis_by_name, instrument};
 use super::*;
 use proptest::prelude::*;
 

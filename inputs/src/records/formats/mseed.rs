@@ -77,7 +77,7 @@ fn record_length(record: &[u8], little: bool) -> Option<usize> {
 
 /// miniSEED holds no unit; the channel code hints at the instrument.
 pub(super) fn unit(segment: &Segment) -> Result<StoredUnit, String> {
-    let instrument = match super::super::instrument(&segment.channel) {
+    let instrument = match super::super::naming::instrument(&segment.channel) {
         Some(instrument) => format!("; its code {} is that of {instrument}", segment.channel),
         None => String::new(),
     };
