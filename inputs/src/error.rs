@@ -432,6 +432,22 @@ pub enum InputError {
     /// A motion without any component.
     #[error("a motion needs at least one component (x, y or z)")]
     NoComponent,
+    /// One channel for two components.
+    #[error(
+        "components {first} and {second} are the same channel: {channel} of {}
+  help: name another file or channel for one of them",
+        path.display()
+    )]
+    ComponentTwice {
+        /// Name of the first component.
+        first: &'static str,
+        /// Name of the second.
+        second: &'static str,
+        /// The channel.
+        channel: String,
+        /// Its file.
+        path: PathBuf,
+    },
     /// Components that do not fit together.
     #[error(
         "components {first} and {second} differ in {what}: {first_value} and {second_value}

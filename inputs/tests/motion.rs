@@ -253,6 +253,28 @@ fn channel(id: &str, start: Option<f64>, samples: Vec<f64>) -> Channel {
     }
 }
 
+/// Components that speak of two recordings.
+#[test]
+fn components_of_two_stations_or_sensors_are_refused() {
+    let ramp = || (0..100).map(f64::from).collect::<Vec<f64>>();
+    let refusal = |x: &str, y: &str| {
+        let (x, mut y) = (channel(x, None, ramp()), channel(y, None, ramp()));
+        y.sha256 = "01".into();
+        Motion::from_channels([Some(&x), Some(&y), None])
+            .map(|motion| motion.len())
+            .map_err(|e| e.to_string())
+    };
+    assert!(refusal("CI.CLC..HNE", "CI.TOW..HNN").unwrap_err().contains("differ in station: CLC and TOW"));
+    let sensors = refusal("BO.S..EW1", "BO.S..NS2").unwrap_err();
+    assert!(sensors.contains("differ in sensor: 1, in the borehole and 2, at the surface"), "{sensors}");
+    for (x, y) in [("CI.CLC..HNE", "CI.CLC..HNN"), ("...A", "CI.CLC..HNN"), ("BO.S..EW2", "BO.S..NS2")] {
+        assert_eq!(refusal(x, y), Ok(100));
+    }
+    let x = channel("CI.CLC..HNE", None, ramp());
+    let error = Motion::from_channels([Some(&x), None, Some(&x)]).unwrap_err();
+    assert!(error.to_string().contains("x and z are the same channel: CI.CLC..HNE of made.up"), "{error}");
+}
+
 #[test]
 fn channels_of_one_recording_are_cut_to_their_common_time() {
     let ramp = |from: usize, n: usize| (from..from + n).map(|i| i as f64).collect::<Vec<f64>>();

@@ -3,6 +3,7 @@
 //! Every operation is deterministic and leaves a [`Step`] with its numbers. Frequencies in Hz, times
 //! in s, samples in SI. Between its samples a motion is band-limited: see [`resample_as`].
 
+mod assembly;
 mod filter;
 mod matching;
 mod process;
@@ -31,8 +32,6 @@ pub use spectrum::{
 pub use step::Step;
 
 use crate::error::InputError;
-use crate::records::Channel;
-use serde_json::json;
 
 /// Standard gravity, m/s² (exact by definition).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
@@ -122,87 +121,6 @@ impl Motion {
             return Err(InputError::NoComponent);
         }
         Ok(Self { dt, start, quantity, components, steps: Vec::new() })
-    }
-
-    /// A motion from channels of one recording, given for x, y and z.
-    ///
-    /// Quantities and steps must agree (steps to 1e-6 relative). Start times, where all are known,
-    /// must lie on one grid (to 1 % of a step); the components are cut to the time that all of them
-    /// cover, and the cut is recorded. With an unknown start the channels begin together, and the
-    /// longer ones lose their end.
-    pub fn from_channels(channels: [Option<&Channel>; 3]) -> Result<Self, InputError> {
-        let present: Vec<(usize, &Channel)> =
-            (0..3).filter_map(|axis| channels[axis].map(|channel| (axis, channel))).collect();
-        let Some(&(axis0, reference)) = present.first() else {
-            return Err(InputError::NoComponent);
-        };
-        let differ = |axis: usize, what, first: String, second: String| {
-            Err(InputError::ComponentsDiffer {
-                first: AXES[axis0],
-                second: AXES[axis],
-                what,
-                first_value: first,
-                second_value: second,
-            })
-        };
-        let known = present.iter().all(|(_, channel)| channel.start.is_some());
-        let mut shifts = Vec::with_capacity(present.len());
-        for &(axis, channel) in &present {
-            if channel.quantity != reference.quantity {
-                let (a, b) = (reference.quantity, channel.quantity);
-                return differ(axis, "quantity", a.to_string(), b.to_string());
-            }
-            if (channel.dt - reference.dt).abs() > 1e-6 * reference.dt {
-                let (a, b) = (reference.dt, channel.dt);
-                return differ(axis, "time step", format!("{a} s"), format!("{b} s"));
-            }
-            let shift = match (known, channel.start, reference.start) {
-                (true, Some(start), Some(other)) => (start - other) / reference.dt,
-                _ => 0.0,
-            };
-            // Times in s since 1970 carry about 1e-7 s of round-off.
-            let tolerance = 0.01_f64.max(5e-7 / reference.dt);
-            if !shift.is_finite() || (shift - shift.round()).abs() > tolerance {
-                let offset = (shift - shift.round()) * reference.dt;
-                let text = format!("{offset:.6} s off the first one's samples");
-                return differ(axis, "sampling times", "0 s".into(), text);
-            }
-            shifts.push(shift.round());
-        }
-        let begin = shifts.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-        let end = present
-            .iter()
-            .zip(&shifts)
-            .map(|((_, channel), shift)| shift + channel.samples.len() as f64)
-            .fold(f64::INFINITY, f64::min);
-        if end - begin < 2.0 {
-            let (axis, channel) = present[present.len() - 1];
-            let show = |channel: &Channel| {
-                let start = channel.start.unwrap_or(0.0);
-                let length = channel.samples.len() as f64 * channel.dt;
-                format!("{start:.3} s + {length:.3} s")
-            };
-            return differ(axis, "time covered", show(reference), show(channel));
-        }
-        let length = (end - begin) as usize;
-        let mut components = [None, None, None];
-        let mut sources = serde_json::Map::new();
-        for ((axis, channel), shift) in present.iter().zip(&shifts) {
-            let skip = (begin - shift) as usize;
-            components[*axis] = Some(channel.samples[skip..skip + length].to_vec());
-            let entry = json!({
-                "channel": channel.id, "file": channel.file, "sha256": channel.sha256,
-                "format": channel.format, "unit_stored": channel.unit_stored,
-                "samples_cut_before": skip,
-                "samples_cut_after": channel.samples.len() - skip - length,
-                "steps": channel.steps,
-            });
-            sources.insert(AXES[*axis].to_string(), entry);
-        }
-        let start = reference.start.filter(|_| known).map(|start| start + begin * reference.dt);
-        let mut motion = Self::new(reference.dt, start, reference.quantity, components)?;
-        motion.steps.push(Step::new("record", serde_json::Value::Object(sources)));
-        Ok(motion)
     }
 
     /// Number of samples of each component.
