@@ -38,15 +38,15 @@ impl MotionInput {
             from_wavelets(scene, scene.motion.quantity, &mut described)?
         };
         let mut input = Self { motion, channels: described, scale: None, warnings: vec![] };
-        input.process(&scene.motion.process, channels.map(|channel| channel.is_some()))?;
+        input.process(scene, channels.map(|channel| channel.is_some()))?;
         Ok(input)
     }
 
     /// Does the scene's steps; `recorded`: the components that come from files.
-    fn process(&mut self, steps: &[Process], mut recorded: [bool; 3]) -> Result<(), InputError> {
+    fn process(&mut self, scene: &Scene, mut recorded: [bool; 3]) -> Result<(), InputError> {
         let motion = &mut self.motion;
-        for (i, step) in steps.iter().enumerate() {
-            let refused = |source| InputError::InProcess { number: i + 1, source: Box::new(source) };
+        for (i, step) in scene.motion.process.iter().enumerate() {
+            let refused = |source| in_process(scene, i + 1, source);
             if step.mends_an_instrument() {
                 on_records(step, motion, recorded).map_err(refused)?;
                 continue;
@@ -76,6 +76,18 @@ impl MotionInput {
     }
 }
 
+/// A refusal with file, line and key of its step; `number` counts the steps from 1.
+fn in_process(scene: &Scene, number: usize, source: InputError) -> InputError {
+    let mut key = format!("motion.process[{number}]");
+    if let InputError::StepParameter { parameter, .. } = &source {
+        let inside = format!("{key}.{parameter}");
+        if scene.source.written.contains_key(&inside) {
+            key = inside;
+        }
+    }
+    InputError::InProcess { place: scene.source.place_of(&key), source: Box::new(source) }
+}
+
 /// The channels of the components that are files, all read by one process.
 fn recorded(scene: &Scene) -> Result<[Option<Channel>; 3], InputError> {
     let mut sources = vec![];
@@ -88,7 +100,11 @@ fn recorded(scene: &Scene) -> Result<[Option<Channel>; 3], InputError> {
     if sources.is_empty() {
         return Ok(channels);
     }
-    let options = ReadOptions { quantity: Some(scene.motion.quantity), ..ReadOptions::default() };
+    let options = ReadOptions {
+        quantity: Some(scene.motion.quantity),
+        accept_clipped: scene.motion.accept_clipped,
+        ..ReadOptions::default()
+    };
     let (axes, sources): (Vec<usize>, Vec<records::Source>) = sources.into_iter().unzip();
     let read = records::read_many(&sources, &options)?;
     for ((axis, source), found) in axes.into_iter().zip(&sources).zip(read) {
@@ -235,9 +251,13 @@ mod tests {
             why.starts_with("to a peak of 2 m/s²") && why.ends_with(", then factor given by the scene"),
             "{why}"
         );
+        let steps = "process = [\n  { step = \"rest\" },\n  { step = \"trim\", from = 1, to = 100 },\n]";
+        let refused = read(steps).unwrap_err().to_string();
+        let place = "scene.toml:6 motion.process[2].to: trim: to = 100; expected above from = 1 s";
+        assert!(refused.starts_with(place) && refused.contains("\n  help: "), "{refused}");
         let refused =
-            read("process = [{ step = \"rest\" }, { step = \"filter\", f_max = 100 }]").unwrap_err();
-        assert!(refused.to_string().starts_with("motion.process[2] filter: f_max = 100"), "{refused}");
+            read("process = [{ step = \"taper\", start = 1.5, end = 1.5 }]").unwrap_err().to_string();
+        assert!(refused.starts_with("scene.toml:4 motion.process[1]: taper: start + end = 3"), "{refused}");
     }
 
     #[test]

@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use crate::motion::Quantity;
+use crate::number::{nine, plain};
 
 /// Everything that can be wrong with a record, a motion or the reader behind them.
 ///
 /// Each text is complete by itself: it names the file, the channel or the step, the number that was
-/// found, the one that was expected, and the remedy.
+/// found, the one that was expected, and the remedy: its last line begins with `help:`. A remedy that is an option of
+/// the command line is also a key of a scene, and both are named.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
@@ -49,7 +51,7 @@ pub enum InputError {
         path: PathBuf,
     },
     /// The system refused to open or read the file.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: cannot be read: {source}\n  help: make sure that the file may be read and its disk is there", path.display())]
     RecordUnreadable {
         /// The file.
         path: PathBuf,
@@ -58,7 +60,7 @@ pub enum InputError {
     },
     /// More bytes than the limit.
     #[error("{}: {bytes} bytes, above the limit of {limit} bytes for one record
-  help: cut the part of interest out of the file, or raise Limits::file_bytes", path.display())]
+  help: cut the part of interest out of the file, or take one of its channels into a file of its own", path.display())]
     RecordTooLarge {
         /// The file.
         path: PathBuf,
@@ -68,7 +70,7 @@ pub enum InputError {
         limit: u64,
     },
     /// No bytes at all.
-    #[error("{}: the file is empty", path.display())]
+    #[error("{}: the file is empty\n  help: fetch it again from its source", path.display())]
     RecordEmpty {
         /// The file.
         path: PathBuf,
@@ -126,7 +128,7 @@ pub enum InputError {
         remedy: String,
     },
     /// More samples than the limit.
-    #[error("{}: {samples} samples, above the limit of {limit}\n  help: cut the part of interest out of the file, or raise Limits::samples", path.display())]
+    #[error("{}: {samples} samples, above the limit of {limit}\n  help: cut the part of interest out of the file, or take one of its channels into a file of its own", path.display())]
     TooManySamples {
         /// The file.
         path: PathBuf,
@@ -137,7 +139,7 @@ pub enum InputError {
     },
 
     /// The file has no channel of the name asked for.
-    #[error("{}: no channel {wanted}\n  help: the file holds {present}", path.display())]
+    #[error("{}: no channel {wanted}; the file holds {present}\n  help: give --channel or `channel` as one of those", path.display())]
     ChannelMissing {
         /// The file.
         path: PathBuf,
@@ -179,8 +181,8 @@ pub enum InputError {
         seconds: f64,
     },
     /// Two segments of one channel have different steps.
-    #[error("{} {channel}: mixed sampling: step {first} s from {first_begin}, step {second} s from {second_begin}
-  help: split the file at the change and choose one part", path.display())]
+    #[error("{} {channel}: mixed sampling: step {} s from {first_begin}, step {} s from {second_begin}
+  help: split the file at the change and choose one part", path.display(), nine(*first), nine(*second))]
     MixedRates {
         /// The file.
         path: PathBuf,
@@ -196,7 +198,7 @@ pub enum InputError {
         second_begin: String,
     },
     /// Too few samples to be a motion.
-    #[error("{} {channel}: {samples} sample(s); a motion needs at least 2", path.display())]
+    #[error("{} {channel}: {samples} sample(s); a motion needs at least 2\n  help: choose a longer record", path.display())]
     TooShort {
         /// The file.
         path: PathBuf,
@@ -206,7 +208,7 @@ pub enum InputError {
         samples: usize,
     },
     /// A step that is not a positive number.
-    #[error("{} {channel}: time step {dt} s; it must be a positive number\n  help: the file's header lacks a valid sampling rate", path.display())]
+    #[error("{} {channel}: time step {} s; it must be a positive number\n  help: the file's header lacks a valid sampling rate: fetch the file again, or save the samples as text and give --dt or `dt`", path.display(), plain(*dt))]
     BadStep {
         /// The file.
         path: PathBuf,
@@ -233,7 +235,7 @@ pub enum InputError {
         count: usize,
     },
     /// Every sample has the same value.
-    #[error("{} {channel}: dead channel: all {samples} samples are {value}\n  help: choose another component or record", path.display())]
+    #[error("{} {channel}: dead channel: all {samples} samples are {}\n  help: choose another component or record", path.display(), nine(*value))]
     DeadChannel {
         /// The file.
         path: PathBuf,
@@ -245,8 +247,8 @@ pub enum InputError {
         value: f64,
     },
     /// The instrument ran into its limit.
-    #[error("{} {channel}: clipped: {count} samples at the extreme value {value} (as stored), {run} of them in a row from {time:.3} s, entered and left at full slope
-  help: choose an unclipped record; if the plateau is meant, set ReadOptions::accept_clipped", path.display())]
+    #[error("{} {channel}: clipped: {count} samples at the extreme value {} (as stored), {run} of them in a row from {time:.3} s, entered and left at full slope
+  help: choose an unclipped record; if the plateau is meant, give --accept-clipped or accept_clipped = true in [motion]", path.display(), nine(*value))]
     Clipped {
         /// The file.
         path: PathBuf,
@@ -264,7 +266,8 @@ pub enum InputError {
 
     // ---- what its numbers mean ------------------------------------------------------------------
     /// The file does not say what its numbers mean.
-    #[error("{} {channel}: no unit: {reason}\n  help: give unit = one of {choices}", path.display())]
+    #[error("{} {channel}: no unit: {reason}\n  help: counts become a motion by the instrument's metadata (--metadata FILE or metadata = \"FILE\"), which take it off; \
+        else say what one sample means (--unit or `unit`), one of {choices}", path.display())]
     UnitMissing {
         /// The file.
         path: PathBuf,
@@ -285,7 +288,7 @@ pub enum InputError {
     },
     /// Under the file's own unit the peak cannot be a ground motion.
     #[error("{} {channel}: under the file's own unit ({unit}) the {quantity} peak about the mean is {peak:.3e} {si}, outside {low:e} to {high} {si}
-  help: the header is likely wrong; give unit = what one sample means (for instance unit = \"g\")", path.display())]
+  help: the header is likely wrong; say what one sample means with --unit or `unit` (for instance unit = \"g\")", path.display())]
     PeakImplausible {
         /// The file.
         path: PathBuf,
@@ -318,15 +321,29 @@ pub enum InputError {
     },
 
     /// The file does not say its time step.
-    #[error("{} {channel}: no time step: the file holds values without times\n  help: give dt = the step in s", path.display())]
+    #[error("{} {channel}: no time step: the file holds values without times\n  help: give the step in s with --dt or `dt`", path.display())]
     StepMissing {
         /// The file.
         path: PathBuf,
         /// The channel.
         channel: String,
     },
+    /// A time step that no accelerograph has.
+    #[error("{} {channel}: the file's time step is read as {dt} s, which no accelerograph has ({low:e} to {high} s)\n  help: see whether the header is in ms or kHz; if the step is meant, confirm it with --dt {dt} (dt = {dt} in a scene)", path.display())]
+    StepImplausible {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// The step, s.
+        dt: f64,
+        /// Smallest step that needs no word.
+        low: f64,
+        /// Largest step that needs no word.
+        high: f64,
+    },
     /// The file says one time step and the user another.
-    #[error("{} {channel}: dt = {given} s was given, but the file states {stated} s\n  help: take dt out; it is for files that state no step", path.display())]
+    #[error("{} {channel}: dt = {} s was given, but the file states {} s\n  help: take --dt or `dt` out; it is for files that state no step", path.display(), plain(*given), plain(*stated))]
     StepContradicts {
         /// The file.
         path: PathBuf,
@@ -358,7 +375,7 @@ pub enum InputError {
         remedy: String,
     },
     /// A unit and a response at once.
-    #[error("{}: both a unit ({unit}) and a response ({}) are given; they contradict each other\n  help: the response turns counts into SI: take the unit out, or the metadata", path.display(), metadata.display())]
+    #[error("{}: both a unit ({unit}) and a response ({}) are given; they contradict each other\n  help: the response turns counts into SI: take --unit or `unit` out, or --metadata or `metadata`", path.display(), metadata.display())]
     UnitAndResponse {
         /// The record.
         path: PathBuf,
@@ -406,7 +423,7 @@ pub enum InputError {
         stderr: String,
     },
     /// The reader took longer than allowed and was stopped.
-    #[error("{}: reading took more than {seconds} s and was stopped{stderr}\n  help: raise Limits::time, or use a smaller file", python.display())]
+    #[error("{}: reading took more than {seconds} s and was stopped{stderr}\n  help: read fewer files at once, or cut the part of interest out of the file", python.display())]
     ReaderTimeout {
         /// The interpreter.
         python: PathBuf,
@@ -416,7 +433,7 @@ pub enum InputError {
         stderr: String,
     },
     /// The reader ended or answered in a way it should not.
-    #[error("{}: the record reader failed: {problem}{stderr}", python.display())]
+    #[error("{}: the record reader failed: {problem}{stderr}\n  help: run `make setup` in hati's folder and try again; if one file does it each time, that file is most likely damaged", python.display())]
     ReaderFailed {
         /// The interpreter.
         python: PathBuf,
@@ -430,7 +447,7 @@ pub enum InputError {
 
     // ---- motions --------------------------------------------------------------------------------
     /// A motion without any component.
-    #[error("a motion needs at least one component (x, y or z)")]
+    #[error("a motion has no component\n  help: give x, y or z, at least one of them")]
     NoComponent,
     /// One channel for two components.
     #[error(
@@ -501,15 +518,15 @@ pub enum InputError {
         iterations: usize,
     },
     /// A step of a scene's `motion.process` that was refused when it met the motion.
-    #[error("motion.process[{number}] {source}")]
+    #[error("{place}: {source}")]
     InProcess {
-        /// Place in the list, counted from 1.
-        number: usize,
+        /// File, line and key, as [`Source::place_of`](crate::scene::Source::place_of) gives them.
+        place: String,
         /// Why.
         source: Box<InputError>,
     },
     /// A number of a processing step that cannot be used.
-    #[error("{step}: {parameter} = {found}; expected {expected}")]
+    #[error("{step}: {parameter} = {}; expected {expected}\n  help: {remedy}", nine(*found))]
     StepParameter {
         /// The processing step.
         step: &'static str,
@@ -519,5 +536,10 @@ pub enum InputError {
         found: f64,
         /// What would do.
         expected: String,
+        /// What to do.
+        remedy: String,
     },
 }
+
+#[cfg(test)]
+mod tests;

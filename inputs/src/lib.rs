@@ -23,6 +23,7 @@
 mod error;
 pub mod measures;
 pub mod motion;
+mod number;
 pub mod records;
 pub mod scene;
 

@@ -145,6 +145,10 @@ fn one(samples: Vec<f64>, dt: f64) -> Motion {
     Motion::new(dt, Some(0.0), Quantity::Acceleration, [Some(samples), None, None]).unwrap()
 }
 
+fn x_of(motion: Motion) -> Vec<f64> {
+    motion.components.into_iter().flatten().next().unwrap()
+}
+
 /// Coloured noise under a rise and an exponential decay; its velocity and displacement drift far.
 fn noise(seed: u64) -> Motion {
     let mut state = seed;
@@ -283,6 +287,9 @@ fn what_cannot_be_matched_is_refused_and_left_as_it_was() {
     let to = || Matching::to(guide());
     refused(to(), one(vec![0.0; 100], 0.01), "component x does not move");
     refused(to(), one(vec![1.0; 40_000], 0.02), "samples after padding and interpolation, above 131072");
+    let slight = Matching::to(spectrum(json!({ "kind": "rg160", "pga": 1.0, "damping": 0.005 })));
+    let lasting = one((0..8).flat_map(|seed| x_of(noise(seed))).collect(), 0.01);
+    refused(slight, lasting, "at a damping of 0.005 and from 0.02 s to 10 s the match would take minutes");
     refused(Matching { periods: [0.001, 1.0], ..to() }, noise(1), "0.01 s or more");
     refused(Matching { periods: [1.0, 1.0], ..to() }, noise(1), "a longest period of 1.5 s");
     refused(Matching { tolerance: 0.0, ..to() }, noise(1), "0.02 or more");

@@ -83,7 +83,13 @@ fn miniseed_needs_a_unit_and_then_gives_every_channel() {
     let error = refusal(&path, &accelerogram());
     assert!(matches!(error, InputError::UnitMissing { .. }), "{error}");
     let text = error.to_string();
-    assert!(text.contains("XX.HATI.00.HNE") && text.contains("counts") && text.contains("unit ="), "{text}");
+    assert!(
+        text.contains("XX.HATI.00.HNE")
+            && text.contains("counts")
+            && text.contains("--metadata")
+            && text.contains("--unit"),
+        "{text}"
+    );
     // 1e5 counts per m/s² in the file: 1 mm/s² per count makes it a hundred times as large.
     let channels = read(&path, &with_unit(Unit::MillimetrePerSecond2)).unwrap();
     assert_eq!(channels.len(), 3);
@@ -402,4 +408,21 @@ fn a_given_unit_tells_what_the_file_states() {
     assert_eq!(told.steps[1].found["file_states"], "counts × scale factor (gal/count)");
     let own = read(&folder.join("east.knet"), &ReadOptions::default()).unwrap().remove(0);
     assert!(own.steps[1].found.get("file_states").is_none());
+}
+
+/// A header in milliseconds that is read as seconds shows in the step.
+#[test]
+fn a_step_that_no_accelerograph_has_must_be_confirmed() {
+    if fixtures().is_none() {
+        return;
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("slow-{}.csv", std::process::id()));
+    let rows = (0..200).map(|i| format!("{},{:.4}\n", 10 * i, (0.3 * f64::from(i)).sin()));
+    std::fs::write(&path, format!("time_s,acc_m_s2\n{}", rows.collect::<String>())).unwrap();
+    let error = refusal(&path, &ReadOptions::default());
+    assert!(error.to_string().contains("read as 10 s") && error.to_string().contains("--dt 10"), "{error}");
+    let told = Source { dt: Some(10.0), ..Source::new(&path) };
+    let found = read_many(&[told], &ReadOptions::default()).unwrap().remove(0).remove(0);
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!((found.dt, found.samples.len()), (10.0, 200));
 }

@@ -177,7 +177,7 @@ fn counts_are_refused_until_a_unit_is_given_and_bad_files_always() {
         ("gse2/acc.gse", true, "no unit"),
         ("gse2/loc_RJOB20050831023349.z", true, "displacement"),
         ("fixtures_cc0/trap_velocity_not_acceleration.sac", true, "no unit"),
-        ("bad_input/nan_float32.mseed", true, "no unit"),
+        ("bad_input/nan_float32.mseed", false, "read as 1 s, which no accelerograph has"),
         ("fixtures_cc0/bad_clipped.mseed", false, "clipped"),
         ("fixtures_cc0/bad_dead_channel.mseed", false, "dead channel"),
         ("fixtures_cc0/bad_gap_overlap_mixed_rate.mseed", false, "gap"),

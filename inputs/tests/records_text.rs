@@ -254,9 +254,9 @@ fn a_refusal_names_the_line_what_was_found_and_what_to_do() {
         ("bad_columns_mixed.csv", "line 52: \"0,50;0,1\" mixes decimal points and commas"),
         ("bad_columns_ambiguous.txt", "line 1: in \"1000,2000\" the comma may be the decimal sign"),
         ("bad_columns_nameless.txt", "line 1: rows of 3 numbers without column names"),
-        ("bad_columns_spectrum.csv", "line 2: the first column is \"Period (s)\": a spectrum"),
+        ("bad_columns_spectrum.csv", "line 1: the first column is \"Period (s)\": a spectrum"),
         ("bad_columns_step.csv", "line 1: the header says a step of 0.02 s, the column of times has 0.01 s"),
-        ("bad_columns_minutes.csv", "line 2: the column of times is in \"min\""),
+        ("bad_columns_minutes.csv", "line 1: the column of times is in \"min\""),
         (
             "bad_columns_cut.txt",
             "line 1: \"2000 0.01\" looks like a count and a step, but 1000 numbers follow",
@@ -303,4 +303,18 @@ fn obspy_reads_them_by_itself() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let found = String::from_utf8(output.stdout).unwrap();
     assert_eq!(found.lines().collect::<Vec<_>>(), files.map(|(_, format)| format));
+}
+
+/// Stations of a network that numbers them all 0 go by the number of the recording.
+#[test]
+fn a_station_without_a_number_goes_by_its_recording() {
+    let Some(folder) = fixtures() else { return };
+    let text = std::fs::read_to_string(folder.join("renadic.v1")).unwrap();
+    assert!(text.contains("STATION NO. 7"));
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("zero-{}.v1", std::process::id()));
+    std::fs::write(&path, text.replace("STATION NO. 7", "STATION NO.          0.000N    0.000E")).unwrap();
+    let channels = read(&path, &acceleration()).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let second = text.lines().nth(1).unwrap().trim();
+    assert_eq!(channels[0].id, format!(".{second}.01.090"));
 }

@@ -65,16 +65,37 @@ pub(super) struct RunArguments {
     pub(super) max_wall_time: Option<Duration>,
 }
 
+/// What `record --help` ends with.
+const RECORD_HELP: &str = "\
+Steps of --process, each with an example; a number's unit is that of a scene's motion.process:
+  demean     demean first_seconds=5
+  detrend    detrend order=1
+  baseline   baseline order=2
+  taper      taper start=1 end=2
+  filter     filter f_min=0.1 f_max=25
+  rotate     rotate angle=30
+  trim       trim from=5 to=40
+  pad        pad before=10 after=20
+  resample   resample dt=0.005
+  scale      scale pga=2.5
+  match      match spectrum.kind=rg160 spectrum.pga=2
+  rest       rest
+  convert    convert to=velocity
+
+Example:
+  hati record E.mseed N.mseed Z.mseed --unit gal --process demean --process 'filter f_min=0.1 f_max=25' --out look";
+
 #[derive(Debug, Args)]
+#[command(after_help = RECORD_HELP)]
 pub(super) struct RecordArguments {
     /// Record files.
     #[arg(required_unless_present = "from")]
     pub(super) files: Vec<PathBuf>,
-    /// Unit of one sample value, in place of what the files say: m/s2, cm/s2, gal, g, g/10, mm/s2, nm/s2, m/s, …
+    /// Unit of one sample value, in place of what the files say: m/s2, cm/s2, gal, g, g/10, mm/s2, nm/s2, m/s, cm/s, mm/s, nm/s, m, cm, mm, nm.
     #[arg(long, conflicts_with = "metadata")]
     pub(super) unit: Option<String>,
-    /// Time step in s, for files that state none.
-    #[arg(long, value_name = "S")]
+    /// Time step in s, 1e-6 to 100, for files that state none.
+    #[arg(long, value_name = "S", value_parser = time_step, allow_negative_numbers = true)]
     pub(super) dt: Option<f64>,
     /// Read only this channel: its full id, or the last part of it.
     #[arg(long, value_name = "ID")]
@@ -120,6 +141,14 @@ impl From<ResponseArgument> for ResponseMode {
             ResponseArgument::Sensitivity => Self::Sensitivity,
             ResponseArgument::Stages => Self::Stages,
         }
+    }
+}
+
+/// Time steps from 1 MHz to one sample in 100 s; what lies outside is a slip of the pen.
+fn time_step(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(dt) if (1e-6..=100.0).contains(&dt) => Ok(dt),
+        _ => Err("give the time step in seconds, 1e-6 to 100".to_owned()),
     }
 }
 

@@ -4,7 +4,7 @@ use super::arguments::RecordArguments;
 use super::{Exit, Failure, note, print, print_json, record_table, tell};
 use crate::outputs::{OutputError, write_summary};
 use crate::record::{
-    Looked, Measured, NOT_OURS, RecordError, Recording, Refused, Written, look, replay, write,
+    Looked, Measured, NOT_OURS, RecordError, Recording, Refused, Written, abandon, look, replay, write,
 };
 use crate::report::{Row, write_index};
 use hati_inputs::motion::Process;
@@ -26,6 +26,7 @@ impl From<OutputError> for Failure {
 }
 
 pub(super) fn record(a: &RecordArguments, json: bool) -> Result<Exit, Failure> {
+    end_on_signals(json);
     let options = ReadOptions::default();
     let mut looked = match &a.from {
         Some(from) => Looked { recordings: vec![replay(from, &options)?], refused: vec![] },
@@ -58,6 +59,20 @@ pub(super) fn record(a: &RecordArguments, json: bool) -> Result<Exit, Failure> {
     };
     told.print(&looked.refused, page.as_deref(), json)?;
     Ok(if looked.refused.is_empty() { Exit::Fine } else { Exit::WrongInput })
+}
+
+/// Ends the program on Ctrl-C or a request to terminate: with one line, and with nothing half-made left behind.
+fn end_on_signals(json: bool) {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
+    std::thread::spawn(move || {
+        if signals.forever().next().is_some() {
+            abandon();
+            let text = "interrupted: nothing half-made is left; recordings that were put into place before are whole";
+            super::report_failure(&Failure::new(Exit::Interrupted, text), json);
+            std::process::exit(Exit::Interrupted as i32);
+        }
+    });
 }
 
 /// What is told of the recordings in the end.
@@ -166,6 +181,16 @@ fn process(words: &[String]) -> Result<Vec<Process>, Failure> {
         _ if words.iter().any(|word| word.trim() == "none") => {
             Err(Failure::input("--process none: stands alone; leave it out, or leave the other steps out"))
         }
-        _ => words.iter().map(|text| Process::parse(text).map_err(Failure::input)).collect(),
+        _ => words.iter().map(|text| step(text)).collect(),
     }
+}
+
+fn step(text: &str) -> Result<Process, Failure> {
+    if text.split_whitespace().next().is_some_and(|word| word.contains(',')) {
+        let mended = text.replacen(',', " ", 1);
+        return Err(Failure::input(format!(
+            "--process '{text}': a comma follows the step's word\n  help: put a blank there: --process '{mended}'"
+        )));
+    }
+    Process::parse(text).map_err(Failure::input)
 }

@@ -1,5 +1,6 @@
 //! Recordings as a table of plain text, 100 columns at most for usual names.
 
+use crate::record::{figures, shortest};
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -48,7 +49,7 @@ fn heading(summary: &Value) -> String {
     let npts = summary["npts"].as_u64().unwrap_or(0);
     let start = summary["start"].as_str().map_or_else(|| "start unknown".to_owned(), |s| format!("from {s}"));
     let mut text = format!(
-        "{}: {npts} samples, step {} s, {} s, {start}\n",
+        "{}: {npts} samples, step {} s, 0 to {} s, {start}\n",
         summary["name"].as_str().unwrap_or("record"),
         plain(&summary["dt"]),
         plain(&summary["duration"]),
@@ -83,11 +84,24 @@ fn words(step: &Value) -> String {
             Value::Bool(true) => "true".to_owned(),
             // Switches that are off and options that are not given say nothing.
             Value::Bool(false) | Value::Null => continue,
-            _ => "…".to_owned(),
+            Value::Array(items) => {
+                format!("[{}]", items.iter().map(plain).collect::<Vec<_>>().join(","))
+            }
+            Value::Object(table) => spectrum(table),
         };
         let _ = write!(text, " {key}={shown}");
     }
     text
+}
+
+/// A target spectrum by its kind and level: `rg160, pga 2 m/s²`.
+fn spectrum(table: &serde_json::Map<String, Value>) -> String {
+    let number = |key: &str| table.get(key).filter(|value| value.is_number()).map(plain);
+    let kind = table.get("kind").and_then(Value::as_str).unwrap_or("table");
+    let level = number("pga").map(|pga| format!(", pga {pga} m/s²"));
+    let level = level.or_else(|| number("ag").map(|ag| format!(", ag {ag} m/s²")));
+    let damping = number("damping").map(|damping| format!(", damping {damping}"));
+    format!("({kind}{}{})", level.unwrap_or_default(), damping.unwrap_or_default())
 }
 
 fn rows(summary: &Value) -> Vec<[String; 9]> {
@@ -96,15 +110,15 @@ fn rows(summary: &Value) -> Vec<[String; 9]> {
         let axis = c["axis"].as_str().unwrap_or("");
         let m = &summary["measures"][axis];
         let band = match (m["band"][0].as_f64(), m["band"][1].as_f64()) {
-            (Some(low), Some(high)) => format!("{}–{}", digits(low, 3), digits(high, 3)),
+            (Some(low), Some(high)) => format!("{}–{}", figures(low, 3), figures(high, 3)),
             _ => String::new(),
         };
-        let number = |key: &str| m[key].as_f64().map_or_else(String::new, |x| digits(x, 4));
+        let number = |key: &str| m[key].as_f64().map_or_else(String::new, |x| figures(x, 4));
         let stored = c["unit_stored"].as_str().unwrap_or("");
         let by = if c["unit_given_by"] == "user" { " (given)" } else { "" };
         [
             axis.to_owned(),
-            c["id"].as_str().unwrap_or("").to_owned(),
+            channel_name(summary, c),
             stored_in(stored, by),
             number("pga"),
             number("pgv"),
@@ -115,6 +129,24 @@ fn rows(summary: &Value) -> Vec<[String; 9]> {
         ]
     };
     channels.iter().map(of).collect()
+}
+
+/// The channel's id; where the file names no channel the file; after a rotation the direction and its turn.
+fn channel_name(summary: &Value, channel: &Value) -> String {
+    let id = channel["id"].as_str().unwrap_or("");
+    let axis = channel["axis"].as_str().unwrap_or("");
+    let steps = summary["motion"]["process"].as_array().map_or(&[][..], Vec::as_slice);
+    let turns =
+        steps.iter().filter(|step| step["step"] == "rotate").filter_map(|step| step["angle"].as_f64());
+    let turned: Vec<f64> = turns.collect();
+    if !turned.is_empty() && axis != "z" {
+        return format!("{axis} rotated by {}°", shortest(turned.iter().sum()));
+    }
+    if id == "...CH" {
+        let file = std::path::Path::new(channel["file"].as_str().unwrap_or("")).file_stem();
+        return file.map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    }
+    id.to_owned()
 }
 
 /// The unit in the file's words, cut where they are many.
@@ -133,26 +165,9 @@ pub(super) fn warnings(summary: &Value) -> Vec<String> {
     warnings.iter().filter_map(Value::as_str).map(|w| format!("warning: {name}: {w}\n")).collect()
 }
 
-/// A number with so many digits that count, in plain figures where that is short.
-fn digits(x: f64, count: usize) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return x.to_string();
-    }
-    let text = format!("{:.*e}", count - 1, x);
-    let exponent: i32 = text.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
-    if (-4..5).contains(&exponent) {
-        let decimals = (count as i32 - 1 - exponent).max(0) as usize;
-        return format!("{x:.decimals$}");
-    }
-    text
-}
-
-/// A number as short as it is, free of the noise of its last binary digit.
+/// A number as short as it is.
 fn plain(value: &Value) -> String {
-    match value.as_f64() {
-        Some(x) => format!("{}", format!("{x:.9e}").parse::<f64>().unwrap_or(x)),
-        None => value.to_string(),
-    }
+    value.as_f64().map_or_else(|| value.to_string(), shortest)
 }
 
 /// `head` and `tail` on one line, dots in the head's middle where it would be too long.
@@ -188,14 +203,6 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_stay_short() {
-        assert_eq!(digits(0.041_237, 4), "0.04124");
-        assert_eq!(digits(9.8e-7, 4), "9.800e-7");
-        assert_eq!(digits(123.456, 4), "123.5");
-        assert_eq!(plain(&serde_json::json!(59.999_999_999_999_99)), "60");
-    }
 
     #[test]
     fn long_names_keep_both_ends() {

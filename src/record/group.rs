@@ -2,6 +2,8 @@
 
 use hati_inputs::records::Channel;
 
+use super::apart::one_shaking;
+
 /// How far two channels may be from square, degrees.
 const SQUARE_DEGREES: f64 = 1.0;
 
@@ -14,7 +16,8 @@ pub type Components = [Option<(usize, Channel)>; 3];
 /// - station and instrument are the same: network, station, location and what the channel's code says
 ///   besides its direction (`HN` of `HNE`; `2`, the surface, of KiK-net's `EW2`); without a station code
 ///   the file must be the same; channels of one file may differ in their location codes;
-/// - they are the same quantity at the same step (to 1e-6) and their times overlap, as far as known;
+/// - they are the same quantity at the same step (to 1e-6) and their times overlap; where a start is unknown and
+///   the files are two, these have as many samples each and say the same of the event;
 /// - their directions are known and differ.
 ///
 /// Two horizontal channels of one instrument or file that point to no axis but stand square to each other are x
@@ -30,7 +33,7 @@ pub fn group(mut channels: Vec<(usize, Channel)>) -> Vec<Components> {
     for (source, channel) in channels {
         let place = channel
             .axis_hint
-            .and_then(|_| clusters.iter_mut().find(|c| c.iter().any(|(_, other)| together(other, &channel))));
+            .and_then(|_| clusters.iter_mut().find(|c| c.iter().all(|(_, other)| together(other, &channel))));
         match place {
             Some(cluster) => cluster.push((source, channel)),
             None => clusters.push(vec![(source, channel)]),
@@ -43,7 +46,8 @@ pub fn group(mut channels: Vec<(usize, Channel)>) -> Vec<Components> {
 fn stand_square(channels: &mut [(usize, Channel)]) {
     let pair = |a: &Channel, b: &Channel| {
         let oblique = a.axis_hint.is_none() && b.axis_hint.is_none();
-        let same = a.quantity == b.quantity && (a.dt - b.dt).abs() <= 1e-6 * a.dt && overlap(a, b);
+        let same =
+            a.quantity == b.quantity && (a.dt - b.dt).abs() <= 1e-6 * a.dt && one_shaking(a, b).is_ok();
         let (Some(first), Some(second)) = (a.azimuth(), b.azimuth()) else { return false };
         let turn = (first - second - 90.0 + 180.0).rem_euclid(360.0) - 180.0;
         oblique
@@ -96,7 +100,7 @@ fn of_one_file(a: &[(usize, Channel)], b: &[(usize, Channel)]) -> bool {
         && parts(first) == parts(second)
         && first.quantity == second.quantity
         && (first.dt - second.dt).abs() <= 1e-6 * first.dt
-        && overlap(first, second)
+        && one_shaking(first, second).is_ok()
 }
 
 fn together(a: &Channel, b: &Channel) -> bool {
@@ -104,18 +108,11 @@ fn together(a: &Channel, b: &Channel) -> bool {
         && instrument(a) == instrument(b)
         && a.quantity == b.quantity
         && (a.dt - b.dt).abs() <= 1e-6 * a.dt
-        && overlap(a, b)
-}
-
-/// Whether two channels cover a common time; unknown starts may.
-fn overlap(a: &Channel, b: &Channel) -> bool {
-    let (Some(start_a), Some(start_b)) = (a.start, b.start) else { return true };
-    let end = |start: f64, c: &Channel| start + c.samples.len() as f64 * c.dt;
-    start_a < end(start_b, b) && start_b < end(start_a, a)
+        && one_shaking(a, b).is_ok()
 }
 
 /// Network, station, location and instrument; the file where there is no station code.
-fn instrument(channel: &Channel) -> String {
+pub(super) fn instrument(channel: &Channel) -> String {
     let (place, code) = channel.id.rsplit_once('.').unwrap_or(("", channel.id.as_str()));
     let station = place.split('.').nth(1).unwrap_or_default();
     let instrument = without_direction(code);

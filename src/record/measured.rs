@@ -12,7 +12,8 @@ pub(super) const BAND_ACCURACY: f64 = 1e-2;
 /// One component's histories and measures.
 #[derive(Debug, Clone)]
 pub struct Component {
-    /// Acceleration as processed; velocity and displacement as PGV and PGD see them (see [`Measures::of`]).
+    /// Acceleration as processed; velocity and displacement as PGV and PGD see them (see [`Measures::of`] and
+    /// [`Measured::from_rest`]).
     pub trace: Trace,
     /// Velocity integrated from rest, as a model would follow it, m/s.
     pub velocity_from_rest: Vec<f64>,
@@ -33,6 +34,9 @@ pub struct Measured {
     pub dt: f64,
     /// The components that there are, in the order x, y, z.
     pub components: Vec<Component>,
+    /// Whether velocities, displacements and their peaks are the integrals from rest ([`Recording::at_rest`]); else
+    /// what lies below one period in the record is left out of them.
+    pub from_rest: bool,
 }
 
 impl Measured {
@@ -45,7 +49,7 @@ impl Measured {
                 axes.iter().map(|&axis| scope.spawn(move || Component::of(recording, axis))).collect();
             started.into_iter().filter_map(|thread| thread.join().ok()).collect()
         });
-        Self { dt: recording.motion.dt, components }
+        Self { dt: recording.motion.dt, components, from_rest: recording.at_rest() }
     }
 }
 
@@ -54,7 +58,8 @@ impl Component {
         let motion = &recording.motion;
         let from_rest = |to| motion.component_as(axis, to, 1).unwrap_or_default();
         let acceleration = from_rest(Quantity::Acceleration);
-        let f_min = 1.0 / (motion.len() as f64 * motion.dt);
+        // A ground that was brought to rest has no drift to leave out.
+        let f_min = if recording.at_rest() { 0.0 } else { 1.0 / (motion.len() as f64 * motion.dt) };
         let without_drift = |to| integrated(&acceleration, motion.dt, f_min, to);
         Self {
             velocity_from_rest: from_rest(Quantity::Velocity),

@@ -6,9 +6,12 @@
 //! [`write`](write()) leaves a folder: `report.html` with figures, the motion as CSV, miniSEED or SAC, and
 //! `record.json`.
 
+mod apart;
 mod group;
 mod measured;
+mod number;
 mod origin;
+mod place;
 mod summary;
 mod warnings;
 mod write;
@@ -17,14 +20,17 @@ use std::fmt;
 use std::path::PathBuf;
 
 use hati_inputs::InputError;
-use hati_inputs::motion::{Motion, Process};
+use hati_inputs::motion::{Matching, Motion, Process, Quantity};
 use hati_inputs::records::{self, Channel, ReadOptions, Source};
 
 use crate::outputs::OutputError;
+use crate::results::AXES;
 
 pub use group::{Components, group};
-pub use measured::Measured;
+pub use measured::{Component, Measured};
+pub(crate) use number::{figures, shortest};
 pub use origin::{Origin, OriginFile, Sources};
+pub(crate) use place::abandon;
 pub(crate) use write::NOT_OURS;
 pub use write::{Formats, Written, write};
 
@@ -95,6 +101,21 @@ pub struct Recording {
     pub motion: Motion,
     /// From which it can be made again.
     pub origin: Origin,
+    /// What is to be said of its grouping: channels that stayed apart, times that are taken for common.
+    pub notes: Vec<String>,
+}
+
+/// The last match to a design spectrum among the steps of a recording, and what it started from.
+#[derive(Debug, Clone)]
+pub(crate) struct Matched {
+    /// Target, periods and tolerance.
+    pub(crate) matching: Matching,
+    /// Accelerations that came into the match, m/s².
+    pub(crate) seed: [Option<Vec<f64>>; 3],
+    /// Their step, s.
+    pub(crate) seed_dt: f64,
+    /// Factors by which the match first scaled them.
+    pub(crate) scale: [f64; 3],
 }
 
 /// A file or a recording that was refused.
@@ -142,11 +163,13 @@ pub fn look(sources: &[Source], process: &[Process], options: &ReadOptions) -> R
         }
     }
     let mut names = vec![];
-    for components in group(channels) {
+    let groups = group(channels);
+    let notes = apart::notes(&groups);
+    for (components, notes) in groups.into_iter().zip(notes) {
         let name = distinct(name(&components), &mut names);
         let origin = Origin::new(&components, sources, process);
         match Recording::new(name.clone(), components, origin) {
-            Ok(recording) => looked.recordings.push(recording),
+            Ok(recording) => looked.recordings.push(Recording { notes, ..recording }),
             Err(error) => looked.refused.push(Refused { what: name, error }),
         }
     }
@@ -167,7 +190,9 @@ pub fn replay(from: &std::path::Path, options: &ReadOptions) -> Result<Recording
         components[*axis] = found.into_iter().next().map(|channel| (number, channel));
     }
     origin.expect_same(&components)?;
-    Recording::new(name(&components), components, origin)
+    let notes = apart::notes(std::slice::from_ref(&components)).remove(0);
+    let recording = Recording::new(name(&components), components, origin)?;
+    Ok(Recording { notes, ..recording })
 }
 
 impl Recording {
@@ -178,7 +203,51 @@ impl Recording {
         for step in &origin.process {
             step.apply(&mut motion)?;
         }
-        Ok(Self { name, channels, motion, origin })
+        Ok(Self { name, channels, motion, origin, notes: vec![] })
+    }
+
+    /// The last match to a design spectrum, with its seed made again from the channels.
+    pub(crate) fn matched(&self) -> Option<Matched> {
+        let is_match = |step: &Process| matches!(step, Process::Match(_));
+        let last = self.origin.process.iter().rposition(is_match)?;
+        let Process::Match(matching) = &self.origin.process[last] else { return None };
+        let mut seed = Motion::from_channels(self.channels.each_ref().map(Option::as_ref)).ok()?;
+        for step in &self.origin.process[..last] {
+            step.apply(&mut seed).ok()?;
+        }
+        let found = self.motion.steps.iter().rev().find(|step| step.name == "match").map(|step| &step.found);
+        let scale = |axis: usize| {
+            let entry = found.and_then(|found| found.get(AXES[axis].to_string().as_str()));
+            entry.and_then(|entry| entry.get("scale")?.as_f64()).unwrap_or(1.0)
+        };
+        let samples = |axis: usize| seed.component_as(axis, Quantity::Acceleration, 1);
+        Some(Matched {
+            matching: matching.clone(),
+            seed: [0, 1, 2].map(samples),
+            seed_dt: seed.dt,
+            scale: [0, 1, 2].map(scale),
+        })
+    }
+
+    /// Whether the ground was brought to rest by a `rest` or a `match` and no later step can have moved it again:
+    /// velocity and displacement then are the integrals from rest.
+    #[must_use]
+    pub fn at_rest(&self) -> bool {
+        let rests = |step: &Process| matches!(step, Process::Rest {} | Process::Match(_));
+        let keeps =
+            |step: &Process| matches!(step, Process::Rotate { .. } | Process::Scale(_) | Process::Pad { .. });
+        self.origin
+            .process
+            .iter()
+            .rposition(rests)
+            .is_some_and(|last| self.origin.process[last + 1..].iter().all(keeps))
+    }
+
+    /// By how much all rotations together turned x and y, degrees counter-clockwise seen from above.
+    #[must_use]
+    pub fn turned(&self) -> f64 {
+        let turn = |step: &Process| if let Process::Rotate { angle } = step { *angle } else { 0.0 };
+        self.origin.process.iter().map(turn).sum()
     }
 
     /// Components that are there, 0 = x, 1 = y, 2 = z.
@@ -204,7 +273,8 @@ fn name(components: &Components) -> String {
     let file = first.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let text = match station {
         true => parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("."),
-        false if channels.len() == 1 && !code.is_empty() => format!("{file}.{code}"),
+        // CH is no name but a place-holder.
+        false if channels.len() == 1 && !code.is_empty() && code != "CH" => format!("{file}.{code}"),
         false => file,
     };
     let plain = |c: char| if c.is_alphanumeric() || ".-_".contains(c) { c } else { '_' };

@@ -91,6 +91,12 @@ impl Origin {
     pub fn read(path: &Path) -> Result<Self, RecordError> {
         let mut bytes = vec![];
         let unreadable = |cause| RecordError::OriginUnreadable { path: path.into(), cause };
+        // A pipe would keep the program waiting for whoever writes into it.
+        let regular = |found: std::fs::Metadata| match found.is_file() {
+            true => Ok(()),
+            false => Err(std::io::Error::other("it is not a regular file")),
+        };
+        std::fs::metadata(path).and_then(regular).map_err(unreadable)?;
         File::open(path).and_then(|f| f.take(HEAD).read_to_end(&mut bytes)).map_err(unreadable)?;
         let text = String::from_utf8_lossy(&bytes);
         let missing = |problem: String| RecordError::OriginMissing { path: path.into(), problem };

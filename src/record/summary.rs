@@ -24,12 +24,14 @@ impl Recording {
             "name": self.name,
             "hati_version": env!("CARGO_PKG_VERSION"),
             "quantity": motion.quantity, "unit": motion.quantity.si_unit(),
-            "dt": motion.dt, "npts": motion.len(), "duration": motion.len() as f64 * motion.dt,
+            "dt": motion.dt, "npts": motion.len(), "duration": motion.duration(),
             "start": motion.start.map(iso8601),
             "motion": self.origin,
             "channels": channels,
             "steps": motion.steps,
             "measures": components,
+            "velocity_and_displacement":
+                if measured.from_rest { "from rest" } else { "without what lies below one period in the record" },
             "warnings": warnings(self, measured),
         })
     }

@@ -10,6 +10,7 @@ use hati_inputs::records::{FileFormat, ReadOptions, Trace, encode};
 use serde_json::{Map, Value, json};
 
 use super::origin::MARK;
+use super::place::Aside;
 use super::{Measured, RecordError, Recording, group};
 use crate::calendar::iso8601;
 use crate::outputs::{OutputError, expect_room, replace_bytes, write_summary};
@@ -75,11 +76,11 @@ pub struct Written {
 
 /// Writes a recording into the folder `dir`, which is made where it is missing.
 ///
-/// Each file is written aside and then renamed. What an earlier call left there is replaced; a file of
-/// the same name that this program did not write is not: a folder is known by its `record.json`.
+/// All files are made aside and put into place together in the end, the page last. They replace what an earlier call
+/// left there, never a file of the same name that this program did not write: a folder is known by its `record.json`.
 ///
 /// Errors: a folder that cannot be written, a full disk, foreign files of these names, no Python for
-/// miniSEED and SAC.
+/// miniSEED and SAC. What was there before is then as it was.
 pub fn write(
     dir: &Path,
     recording: &Recording,
@@ -89,31 +90,35 @@ pub fn write(
 ) -> Result<Written, RecordError> {
     fs::create_dir_all(dir)
         .map_err(|cause| OutputError::UnwritableFolder { folder: dir.to_path_buf(), cause })?;
-    clear(dir, recording)?;
+    let old = replaceable(dir, recording)?;
     let mut files = motion_files(recording, formats, options)?;
     let mut summary = recording.summary(measured);
     let told: Map<String, Value> =
         files.iter().map(|file| (file.name.to_string(), file.about.clone())).collect();
     summary["files"] = Value::Object(told);
-    // First, so that a folder whose writing was cut off is known as ours.
-    write_summary(&dir.join(SUMMARY), &summary)?;
+    let aside = Aside::within(dir)?;
+    write_summary(&aside.folder().join(SUMMARY), &summary)?;
+    let mut names = vec![SUMMARY.to_owned()];
     for file in files.drain(..) {
-        let path = dir.join(&file.name);
+        let path = aside.folder().join(&file.name);
         expect_room(&path, file.content.len() as u64 / 2)?;
         replace_bytes(&path, &file.content, false)?;
+        names.push(file.name);
     }
-    write_record_report(dir, recording, measured, &summary)?;
+    names.extend(write_record_report(aside.folder(), recording, measured, &summary)?);
+    aside.put(dir, &names, || clear(dir, &old))?;
     Ok(Written { folder: dir.to_path_buf(), page: dir.join("report.html"), summary })
 }
 
-/// Takes away what an earlier call left, so that none of it passes for this one's.
-fn clear(dir: &Path, recording: &Recording) -> Result<(), RecordError> {
+/// The files of an earlier call. Refuses those that are not of this program, or are being read.
+fn replaceable(dir: &Path, recording: &Recording) -> Result<Vec<PathBuf>, RecordError> {
     let ours = fs::read(dir.join(SUMMARY))
         .ok()
         .and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok())
         .is_some_and(|value| value.get("hati_version").is_some() && value.get("motion").is_some());
     let sources: Vec<PathBuf> =
         recording.channels.iter().flatten().filter_map(|c| c.file.canonicalize().ok()).collect();
+    let mut old = vec![];
     for name in MOTION_FILES.iter().chain(&[SUMMARY, "report.html"]) {
         let path = dir.join(name);
         if fs::symlink_metadata(&path).is_err() {
@@ -126,10 +131,17 @@ fn clear(dir: &Path, recording: &Recording) -> Result<(), RecordError> {
         if !ours || path.is_dir() {
             return Err(RecordError::NotOurs { path, what: NOT_OURS });
         }
-        fs::remove_file(&path).map_err(|cause| OutputError::from_io(&path, cause))?;
+        old.push(path);
     }
-    crate::report::clear_record_figures(dir)?;
-    Ok(())
+    Ok(old)
+}
+
+/// Takes away what an earlier call left, so that none of it passes for this one's.
+fn clear(dir: &Path, old: &[PathBuf]) -> Result<(), RecordError> {
+    for path in old {
+        fs::remove_file(path).map_err(|cause| OutputError::from_io(path, cause))?;
+    }
+    Ok(crate::report::clear_record_figures(dir)?)
 }
 
 /// One file of the motion before it is written.

@@ -16,6 +16,7 @@ mod python;
 mod record;
 mod record_bad_input;
 mod record_files;
+mod record_grouping;
 mod regression;
 mod results;
 mod run;

@@ -21,7 +21,7 @@ fn a_table_for_people() {
     }
     assert!(lines.iter().all(|line| line.chars().count() <= 100), "{}", answer.stdout);
     for cell in [
-        "2000 samples, step 0.01 s, 20 s, from 2020-02-03T",
+        "2000 samples, step 0.01 s, 0 to 19.99 s, from 2020-02-03T",
         "  east.knet (K-NET)",
         "  acceleration.sac (SAC)",
         "filter f_min=0.5 f_max=20 order=4",
@@ -83,7 +83,7 @@ fn a_unit_can_be_given_and_a_missing_one_is_asked_for() {
     hati_with(python, records, &["record", "counts.mseed"]).exits(2).prints_nothing().tells(&[
         "counts.mseed",
         "no unit",
-        "give unit = one of",
+        "one of m/s2",
     ]);
     let value =
         hati_with(python, records, &["record", "--json", "counts.mseed", "--unit", "nm/s2"]).exits(0).json();

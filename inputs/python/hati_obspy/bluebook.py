@@ -127,6 +127,10 @@ def _channel(lines, begin, end):
     joined = "\n".join(header)
     station, filtered, start = _STATION.search(joined), _FILTER.search(joined), _START.search(joined)
     series.station = words.code(station.group(1)) if station and station.group(1) != "S" else ""
+    if not series.station.strip("0"):
+        # A station without a number goes by the number of its recording, alone on the second line.
+        second = header[1].split() if len(header) > 1 else []
+        series.station = words.code(second[0]) if len(second) == 1 else ""
     series.location, series.channel = location, channel
     if start:
         month, day, year, hour, minute, second = start.groups()

@@ -10,8 +10,8 @@ from collections import Counter
 
 import numpy as np
 
-from . import numbers, text, words
-from .peer import unit_of
+from . import names as naming
+from . import numbers, stated, text, units, words
 from .problem import RecordProblem, shown
 from .series import Series, check_step, stream
 from .steps import time_step
@@ -23,28 +23,10 @@ MOST_COLUMNS = 200
 # Rows that decide on separator and decimal sign.
 SAMPLE_ROWS = 200
 _MARKS = "#%!*\"'/"
-_TIME = re.compile(
-    r"(?:t|time|times|temps|zeit|tempo|tiempo|zaman|sec|secs|second|seconds|s|elapsed ?time)$", re.I)
-_INDEX = re.compile(r"(?:i|n|no|nr|num|number|index|sample|samples|point|points|count)\.?$", re.I)
-_BRACKETS = re.compile(r"[\(\[{]\s*([^()\[\]{}]{0,30})\s*[\)\]}]")
-# A unit at the end of a name, as in acc_m_s2.
-_TAIL = re.compile(
-    r"[_ ,]+((?:nm|mm|cm|m)(?:_|/)?(?:s2|s\^2|s_2|ss|s_s|s/s|s)|gals?|g|nm|mm|cm|m)$", re.I)
-_STEP = re.compile(
-    r"(?:\bDT\b|\bDELTA ?T\b|TIME[ _-]?STEP|SAMPL\w*[ _]+(?:INTERVAL|PERIOD|STEP)\w*|(?:EQUAL )?SPACING|INTERVALO DE MUESTREO|TIME INTERVAL)"
-    r"[^0-9.+\n-]{0,25}?(%s)(?![0-9])\s*(MS|MSEC|S|SEC)?\b" % words.NUMBER, re.I)
-_RATE = re.compile(
-    r"(?:SAMPL\w*[ _]+(?:RATE|FREQ\w*)\w*|\bFS\b|FREQ\w* (?:OF SAMPLING|DE MUESTREO))[^0-9.+\n-]{0,25}?(%s)(?![0-9])" % words.NUMBER, re.I)
-_COUNT = re.compile(
-    r"(?:\bNPTS\b|\bN(?:UMBER|O\.?) OF (?:POINTS|DATA|SAMPLES|VALUES)\b|\bNDATA\b)[^0-9\n]{0,10}([0-9]{1,12})(?![0-9.])", re.I)
+_COMMENT = "#%!"
+_NAME_THEM = "put a line of names above the rows, for instance: %s"
 # Beginnings of files that are read by ObsPy itself, or are no records.
 _OTHERS = ("<", "{", "[", "%PDF", "TIMESERIES", "WID1", "WID2", "XW01", "BEGIN", "Origin Time", "Earth model")
-_SPECTRUM = re.compile(r"\b(?:response|fourier|design|power)[ _-]+(?:\w+[ _-]+)?spectr", re.I)
-_ABSCISSA = re.compile(r"(?:period|periode|periodo|freq\w*|frequenz|frequence|hz|hertz|omega)$", re.I)
-_TIME_UNITS = {"": 1.0, "s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3}
-# What a column of accelerations is called by one letter: a, ag, a_x, ax.
-_LETTER = re.compile(r"a[ ]?[gxyzhv]?[12]?$", re.I)
-_UNIT_WORDS = {"-", "s", "sec", "seconds", "[s]", "(s)", "ms"}
 
 
 def _field(token):
@@ -75,7 +57,7 @@ def _first_row(lines):
     previous = None
     for at, line in enumerate(lines[: HEADER_LINES + 2]):
         plain = line.strip()
-        if not plain or plain[0] in "#%!":
+        if not plain or plain[0] in _COMMENT:
             continue
         if not _is_row(line):
             previous = None
@@ -108,28 +90,47 @@ def read(content):
     first = _first_row(lines)
     if first is None:
         raise RecordProblem("no two rows of numbers follow each other among the first %d lines" % HEADER_LINES)
-    header = [line[: text.HEADER_LINE] for line in lines[:first]]
-    for at, line in enumerate(header):
-        if _SPECTRUM.search(line):
-            raise RecordProblem("%s: a spectrum, not a motion" % shown(line.strip()),
-                                "give the acceleration time series", at + 1)
+    header = [(at + 1, line[: text.HEADER_LINE]) for at, line in enumerate(lines[:first])]
     rows = numbers.without_trailer(lines[first:])
-    rows, keep = _without_comments(rows)
+    rows, keep = _without_comments(rows, first + 1)
     place = lambda i: first + 1 + (i if keep is None else keep[i])
     separator, comma = _notation(rows, place)
     plain = _plain(rows, separator, comma, place)
-    facts = _facts(header)
+    facts = {}
     if len(plain) > 2:
-        plain, place, facts = _counts_row(plain, place, facts)
+        plain, place, facts = _counts_row(plain, place)
     widths = [len(line.split()) for line in plain]
-    return stream(_series(header, plain, widths, place, separator, facts), NAME)
+    names, name_lines = naming.found(header, widths[0], separator)
+    naming.refuse_spectra(header, names, name_lines)
+    facts = {**_facts(header, name_lines), **facts, "name_line": name_lines[0] if name_lines else None}
+    return stream(_series(names, plain, widths, place, facts), NAME)
 
 
-def _without_comments(rows):
-    """Rows that are neither blank nor a comment, and their places where some were dropped."""
-    keep = [i for i, row in enumerate(rows) if row.strip() and row.lstrip()[0] not in "#%!"]
+def _without_comments(rows, first):
+    """Rows that are neither blank nor a comment, and their places where some were dropped.
+
+    What stands between two rows may begin another channel: words and breaks are refused. `first` is the
+    number of the first line.
+    """
+    keep = [i for i, row in enumerate(rows) if row.strip() and row.lstrip()[0] not in _COMMENT]
     if len(keep) == len(rows):
         return rows, None
+    # Blank lines behind every row are the line ends of another system.
+    spaced = len(keep) > 2 and keep == list(range(0, keep[-1] + 1, keep[1])) and not any(
+        row.strip() for i, row in enumerate(rows[: keep[-1]]) if i % keep[1])
+    for before, after in zip(keep, keep[1:]):
+        # A row of another width on top is a count and a step.
+        counts = before == keep[0] and len(rows[before].split()) != len(rows[after].split())
+        if after == before + 1 or spaced or counts:
+            continue
+        dropped = rows[before + 1 : after]
+        at = next((i for i, row in enumerate(dropped) if any(c.isalpha() for c in row)), None)
+        if at is not None or not all(row.strip() for row in dropped):
+            what = "%s between rows of numbers" % shown(dropped[at].strip()) if at is not None else (
+                "a blank line between rows of numbers")
+            raise RecordProblem("%s: another channel may begin here" % what,
+                                "put each channel in a file or a column of its own, or remove the line",
+                                first + before + 1 + (at or 0))
     return [rows[i] for i in keep], keep
 
 
@@ -208,29 +209,24 @@ def _plain(rows, separator, comma, place):
     return [row.replace('"', " ") for row in rows] if any('"' in row for row in rows[:SAMPLE_ROWS]) else rows
 
 
-def _facts(header):
-    """Step, count and quantity that the header's free text states, each with its line."""
+def _facts(header, name_lines):
+    """Step, count, quantity and unit that the header's free text states, the first two with their lines."""
     facts = {}
-    for at, line in enumerate(header):
-        step, rate, count = _STEP.search(line), _RATE.search(line), _COUNT.search(line)
-        if step and "dt" not in facts:
-            value = words.as_float(step.group(1))
-            if value:
-                in_ms = (step.group(2) or "").upper().startswith("M") or re.search(r"\(\s*ms\s*\)|\[ms\]", line)
-                facts["dt"] = (check_step(value * 1e-3 if in_ms else value, at + 1), at + 1)
-        elif rate and "dt" not in facts:
-            value = words.as_float(rate.group(1))
-            if value and value > 0.0:
-                facts["dt"] = (check_step(1.0 / value, at + 1), at + 1)
-        if count:
-            facts.setdefault("npts", (int(count.group(1)), at + 1))
-    joined = " ".join(header)
-    facts["quantity"] = words.quantity(joined)
-    facts["unit"] = unit_of(header)
+    step = stated.step(header)
+    if step:
+        facts["dt"] = step
+    for number, line in header:
+        count = stated.count(line)
+        if count is not None:
+            facts.setdefault("npts", (count, number))
+    facts["quantity"] = words.quantity(" ".join(line for _, line in header))
+    # What a column's name says is said of that column.
+    facts["unit"] = units.in_text(
+        [(number, stated.without_facts(line)) for number, line in header if number not in name_lines])
     return facts
 
 
-def _counts_row(rows, place, facts):
+def _counts_row(rows, place):
     """Takes a first row `COUNT STEP` off, if it is one."""
     first = rows[0].split()
     rest = rows[1:]
@@ -243,54 +239,69 @@ def _counts_row(rows, place, facts):
             if count not in (values, len(rest)):
                 raise RecordProblem("%s looks like a count and a step, but %d numbers follow"
                                     % (shown(rows[0].strip()), values), "get the whole file again", place(0))
-            facts = {**facts, "dt": (check_step(step, place(0)), place(0)), "npts": (count, place(0))}
+            facts = {"dt": (check_step(step, place(0)), place(0)), "npts": (count, place(0))}
             return rest, (lambda i: place(i + 1)), facts
-    return rows, place, facts
+    return rows, place, {}
 
 
-def _series(header, rows, widths, place, separator, facts):
+def _series(names, rows, widths, place, facts):
     width = widths[0]
-    names = _names(header, width, separator)
-    last = len(widths) - 1
-    for at, found in enumerate(widths):
-        shorter_last = at == last and found < width and names is None and last > 0
-        if found != width and not shorter_last:
-            # Numbers run together, or a row was damaged.
-            spread = numbers.spread(rows[at])
-            if len(spread.split()) == width:
-                rows[at] = spread
-            else:
-                raise RecordProblem("%d numbers in this row, %d in the first" % (found, width),
-                                    "repair the row at its source", place(at))
+    _even_out(rows, widths, names, place)
     values = _values(rows, place)
     if width == 1 or widths[-1] < width:
-        return [_single(values, header, names, facts, wrapped=width > 1)]
+        return [_single(values, names, facts, place, wrapped=width > 1)]
     if len(values) != width * len(rows):
         raise RecordProblem("%d numbers in %d rows of %d" % (len(values), len(rows), width), None, place(0))
     table = values.reshape(len(rows), width)
-    if names is not None and _ABSCISSA.match(_bare(names[0])):
-        raise RecordProblem("the first column is %s: a spectrum, not a motion" % shown(names[0]),
-                            "give the acceleration time series", place(0))
-    timed = _time_column(table, names)
-    if names is None and not timed:
+    first, timed = _time_column(table, names, facts)
+    if names is None and not first:
         if width >= 5:
-            return [_single(values, header, None, facts, wrapped=True)]
+            return [_single(values, None, facts, place, wrapped=True)]
         raise RecordProblem(
             "rows of %d numbers without column names: %d series, or one series in wrapped rows"
-            % (width, width), "put a line of names above the rows, for instance: %s"
-            % " ".join(("NS", "EW", "UD", "H1")[:width]), place(0))
+            % (width, width), _NAME_THEM % " ".join(("NS", "EW", "UD", "H1")[:width]), place(0))
+    if names is None and width - first > 3:
+        raise RecordProblem(
+            "rows of a time and %d numbers without column names: %d series, or one series in rows that begin with their time"
+            % (width - first, width - first), _NAME_THEM % "time NS EW UD H1 H2", place(0))
     names = names or [""] * width
     dt = None
-    if timed == "time":
-        tokens = [row.split(None, 1)[0] for row in rows]
-        dt = _in_seconds(time_step(tokens, table[:, 0], place), names[0], place)
-    dt = _agreed(dt, facts, place)
-    first = 1 if timed else 0
+    if timed:
+        tokens = [row.split(None, first)[first - 1] for row in rows]
+        dt = _in_seconds(time_step(tokens, table[:, first - 1], place), names[first - 1], facts)
+    dt = _agreed(dt, facts, place, timed == "stated")
     if width == first:
         raise RecordProblem("only a column of times", None, place(0))
-    found = [_column(table[:, i], names[i], facts, dt, width - first) for i in range(first, width)]
+    found = []
+    for i in range(first, width):
+        _refuse_times(table[:, i], "column %d%s" % (i + 1, " (%s)" % shown(names[i]) if names[i] else ""), place)
+        found.append(_column(table[:, i], names[i], facts, dt))
     _check_count(facts, len(rows))
     return found
+
+
+def _even_out(rows, widths, names, place):
+    """Takes numbers apart where they touch, so that all rows are as wide as the first; else refuses."""
+    width, last = widths[0], len(widths) - 1
+    for at, found in enumerate(widths):
+        shorter_last = at == last and found < width and names is None and last > 0
+        if found == width or shorter_last:
+            continue
+        spread = numbers.spread(rows[at])
+        if len(spread.split()) != width:
+            raise RecordProblem("%d numbers in this row, %d in the first" % (found, width),
+                                "repair the row at its source", place(at))
+        rows[at] = spread
+
+
+def _refuse_times(data, what, place):
+    """Refuses a channel that rises or falls by equal steps all along: no motion does."""
+    steps = np.diff(data)
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    if len(steps) >= 4 and usual != 0.0 and bool((np.abs(steps - usual) <= 0.5 * abs(usual)).all()):
+        raise RecordProblem("%s changes by equal steps of %.6g all along: times or an index, not a motion" % (what, usual),
+                            "put the column of times first and name it time (s), and every motion in a column of its own",
+                            place(0))
 
 
 def _values(rows, place):
@@ -302,27 +313,28 @@ def _values(rows, place):
         raise RecordProblem(problem.text.partition(": ")[2], problem.remedy, place(problem.line - 1)) from None
 
 
-def _in_seconds(step, name, place):
+def _in_seconds(step, name, facts):
     """A step of the column of that name in seconds."""
-    match = _BRACKETS.search(name)
-    tail = re.search(r"[_ ](ms|msec)$", name.strip(), re.I)
-    word = match.group(1) if match else tail.group(1) if tail else ""
-    factor = _TIME_UNITS.get(word.strip().lower())
-    if factor is None:
-        raise RecordProblem("the column of times is in %s; expected s or ms" % shown(word),
-                            "write the times in seconds", place(0))
+    factor = (naming.time_unit(name, facts["name_line"]) or (1.0, False))[0]
     return step if factor == 1.0 else float("%.12g" % (step * factor))
 
 
-def _agreed(dt, facts, place):
-    """The step of the times, which the header must not contradict; else that of the header."""
+def _agreed(dt, facts, place, sure):
+    """The step of the times, which the header must not contradict; else that of the header.
+
+    None where it is so long or short that its unit may be another, unless the unit is stated (`sure`) or
+    both agree: then the step must be given.
+    """
     if "dt" not in facts:
-        return dt if dt is None else check_step(dt, place(0))
-    stated, line = facts["dt"]
-    if dt is not None and abs(dt - stated) > 0.005 * stated:
-        raise RecordProblem("the header says a step of %g s, the column of times has %g s" % (stated, dt),
+        dt = dt if dt is None else check_step(dt, place(0))
+        return None if not sure and stated.doubtful(dt) else dt
+    said, line = facts["dt"]
+    if dt is None:
+        return None if stated.doubtful(said) else said
+    if abs(dt - said) > 0.005 * said:
+        raise RecordProblem("the header says a step of %g s, the column of times has %g s" % (said, dt),
                             "correct the header", line)
-    return stated if dt is None else dt
+    return dt
 
 
 def _check_count(facts, count):
@@ -332,30 +344,28 @@ def _check_count(facts, count):
                             "get the whole file again; a record that was cut or padded is not read", line)
 
 
-def _single(values, header, names, facts, wrapped):
+def _single(values, names, facts, place, wrapped):
     _check_count(facts, len(values))
-    dt = facts["dt"][0] if "dt" in facts else None
-    series = _column(values, (names or [""])[0] if not wrapped else "", facts, dt, 1)
+    _refuse_times(values, "the only column" if not wrapped else "the one series of these rows", place)
+    series = _column(values, (names or [""])[0] if not wrapped else "", facts, _agreed(None, facts, place, False))
     if wrapped:
         series.header["layout"] = "one series in wrapped rows"
     return series
 
 
-def _column(data, name, facts, dt, columns):
+def _column(data, name, facts, dt):
     """One series with what its name and the header tell."""
-    unit, stated = _unit_of_name(name)
-    if not stated:
-        unit, stated = facts["unit"]
-    bare = _without_unit(name)
-    quantity = words.quantity(bare) or facts["quantity"]
-    if not quantity and _LETTER.match(bare):
-        quantity = "acceleration"
-    parts = bare.split()
-    label = next((part for part in reversed(parts) if _is_direction(part)), "")
-    keys = words.direction(label)
-    channel = words.code(label or bare)
-    series = Series(np.ascontiguousarray(data), dt, quantity, unit, stated, channel=channel or "CH")
-    series.header = {**keys}
+    unit, said = naming.unit(name)
+    problem = ""
+    if not said:
+        unit, said, problem = facts["unit"].unit, facts["unit"].word, facts["unit"].problem
+    bare = naming.without_unit(name)
+    label = naming.direction(bare, unit)
+    series = Series(np.ascontiguousarray(data), dt, naming.quantity(bare) or facts["quantity"], unit, said,
+                    channel=words.code(label or bare) or "CH")
+    series.header = {**words.direction(label)}
+    if problem:
+        series.header["unit_problem"] = problem
     if name.strip():
         series.header["column"] = name.strip()[:60]
     if "npts" in facts:
@@ -363,110 +373,38 @@ def _column(data, name, facts, dt, columns):
     return series
 
 
-def _unit_of_name(name):
-    """Unit in a column's name: `acc (m/s2)`, `acc [g]`, `acc_m_s2`, `acc_g`; ("", "") without."""
-    match = _BRACKETS.search(name)
-    if match and match.group(1).strip():
-        return words.unit(match.group(1)), match.group(1).strip()
-    plain = name.strip()
-    tail = _TAIL.search(plain)
-    if tail:
-        return words.unit(tail.group(1)), tail.group(1)
-    if "," in plain:
-        word = plain.rpartition(",")[2].strip()
-        if words.unit(word):
-            return words.unit(word), word
-    return "", ""
-
-
-def _without_unit(name):
-    """A column's name without its unit, its parts apart."""
-    plain = _TAIL.sub("", _BRACKETS.sub(" ", name).strip())
-    return re.sub(r"[_,:]+", " ", plain).strip()
-
-
-def _is_direction(word):
-    # A number in a name is as likely the number of a sensor as an azimuth.
-    return bool(words.direction(word)) and not word.isdigit() or word.upper() in ("X", "Y", "H1", "H2")
-
-
-def _split_names(line, separator):
-    """A header line cut into names, one more way than the rows are cut: by blanks outside brackets."""
-    plain = line.strip().lstrip(_MARKS).strip()
-    if separator:
-        return [part.strip().strip('"') for part in plain.split(separator)]
-    for mark in ("\t", ";", ","):
-        if mark in plain:
-            return [part.strip() for part in plain.split(mark) if part.strip()]
-    wide = re.split(r"\s{2,}", plain)
-    narrow = re.findall(r"[^\s(\[]+(?:\s*[\(\[][^()\[\]]*[\)\]])?", plain)
-    return [wide, narrow]
-
-
-def _names(header, width, separator):
-    """Names of the columns from the last header line with as many of them; None where there is none."""
-    below = None
-    for line in reversed([line for line in header if line.strip()][-20:]):
-        cut = _split_names(line, separator)
-        ways = cut if cut and isinstance(cut[0], list) else [cut]
-        for parts in ways:
-            if len(parts) == width + 1 and parts[-1] == "":
-                parts = parts[:-1]
-            if len(parts) != width or not any(c.isalpha() for part in parts for c in part):
-                continue
-            if width == 1 and not _is_name(parts[0]):
-                continue
-            if below is None and all(_is_unit(part) for part in parts):
-                below = parts
-                break
-            if below is not None:
-                return ["%s (%s)" % (n, u.strip("()[] ")) for n, u in zip(parts, below)]
-            return parts
-    return ["(%s)" % part.strip("()[] ") for part in below] if below else None
-
-
-def _is_name(word):
-    """Whether a line above a single column is its name rather than prose."""
-    return len(word.split()) <= 3 and (bool(words.quantities(word)) or bool(words.direction(word))
-                                       or bool(_unit_of_name(word)[0]) or bool(words.unit(word)))
-
-
-def _is_unit(word):
-    plain = word.strip()
-    return plain.lower() in _UNIT_WORDS or bool(words.unit(plain)) or not plain
-
-
-def _bare(name):
-    """A column's name without its unit."""
-    plain = _BRACKETS.sub(" ", name).strip().lstrip(_MARKS)
-    plain = re.sub(r"(?<=[a-z])[_ ,]+(?:s|sec|secs|seconds|ms|msec)$", "", plain.strip(), flags=re.I)
-    return plain.strip(" _,:")
-
-
-def _time_column(table, names):
-    """Whether the first column is "time" (or an "index" of samples, which is no time), else ""."""
+def _time_column(table, names, facts):
+    """How many columns stand before the motions, and what tells that the last of them is the time:
+    "stated" with its unit, "named", "even" for its even rise, or "" where there is none or only an index.
+    """
+    line = facts["name_line"]
+    named = [name.strip() for name in names] if names is not None else []
+    factor = naming.time_unit(named[0], line) if named and named[0] else None
+    if factor:
+        return 1, "stated" if factor[1] else "named"
+    if named and named[0] and (words.quantities(named[0]) or naming.direction(naming.without_unit(named[0]), "")):
+        return 0, ""
+    if not _rises_evenly(table[:, 0]):
+        return 0, ""
     column = table[:, 0]
-    if names is not None and names[0].strip():
-        bare = _bare(names[0]) or names[0]
-        if _TIME.match(bare) or re.match(r"time\b|t$", bare, re.I):
-            return "time"
-        if words.quantities(bare) or (words.direction(bare) and not bare.isdigit()):
-            return ""
-        if names[0].strip("()[] ").lower() in ("s", "sec", "ms"):
-            return "time"
+    index = naming.is_index(named[0]) if named and named[0] else bool(
+        (column == np.round(column)).all()) and float(np.median(np.diff(column))) == 1.0
+    if index:
+        second = naming.time_unit(named[1], line) if len(named) > 2 and named[1] else None
+        return (2, "stated" if second[1] else "named") if second else (1, "")
+    if named and named[0]:
+        raise RecordProblem("the first column is %s and rises evenly: nothing says that it is the time" % shown(named[0]),
+                            "name it time (s) if it is", line)
+    return 1, "even"
+
+
+def _rises_evenly(column):
+    """Whether a column rises by one step over 95 % of its rows, as times do even where a few are wrong."""
     steps = np.diff(column)
     usual = float(np.median(steps)) if len(steps) else 0.0
-    if usual <= 0.0 or len(steps) < 3:
-        return ""
+    if len(steps) < 3 or column[-1] <= column[0]:
+        return False
     even = np.abs(steps - usual) <= 0.05 * usual
-    whole = bool((column == np.round(column)).all()) and usual == 1.0
-    if even.mean() < 0.95 and not _rounded_times(column, steps):
-        return ""
-    named_index = names is not None and _INDEX.match(_bare(names[0]))
-    return "index" if whole or named_index else "time"
-
-
-def _rounded_times(column, steps):
-    """Times printed so coarsely that their steps alternate: never decreasing, two neighbouring steps."""
     common = Counter(np.round(steps, 9).tolist()).most_common(3)
-    return bool((steps >= 0.0).all()) and len(common) == 2 and bool(column[-1] > column[0])
+    # Printed coarsely, times alternate between two steps, one of which may be none.
+    return usual > 0.0 and even.mean() >= 0.95 or len(common) == 2 and bool((steps >= 0.0).all())

@@ -7,9 +7,9 @@ stands in words above or below it. Layout after the PEER ground motion database'
 
 import re
 
-from . import numbers, text, words
+from . import numbers, stated, text, units, words
 from .problem import RecordProblem, shown
-from .series import Series, check_step, stream
+from .series import Series, stream
 from .steps import time_step
 
 NAME = "PEER_AT2"
@@ -17,10 +17,9 @@ HEADER_LINES = 60
 
 _BOTH = re.compile(r"\bNPTS\b.*\bDT\b|\bDT\b.*\bNPTS\b", re.I)
 _NPTS = re.compile(r"\bNPTS\s*[=:]\s*([0-9]+)(\.0*)?(?![0-9.])", re.I)
-_DT = re.compile(r"\bDT\s*[=:]\s*(%s)\s*(MS|MSEC)?" % words.NUMBER, re.I)
+_DT = re.compile(r"\bDT\s*(?:[\(\[]\s*([A-Za-z]{1,15})\s*[\)\]])?\s*[=:]\s*(%s)" % words.NUMBER, re.I)
+_DT_UNIT = re.compile(r"\bDT\s*[\(\[]\s*([A-Za-z]{1,15})\s*[\)\]]", re.I)
 _NUMBERS = re.compile(r"(?<![A-Za-z0-9.])%s(?![0-9.])" % words.NUMBER)
-_UNITS = re.compile(r"\bUNITS?\b\s*(?:OF|ARE|IN|:|=)?\s*(?:SEC AND\s+)?([\(\[]?[^\s,;\)\]]+)", re.I)
-_BRACKETS = re.compile(r"[\(\[]([^()\[\]]{1,20})[\)\]]")
 
 
 def _counts_line(lines):
@@ -39,40 +38,28 @@ def _counts(lines, at):
     line = lines[at][: text.HEADER_LINE]
     npts, dt = _NPTS.search(line), _DT.search(line)
     if npts and dt:
-        step = words.as_float(dt.group(1))
-        return int(npts.group(1)), step * 1e-3 if dt.group(2) and step else step, at
+        step = stated.in_seconds(dt.group(2), line[dt.end() :], dt.group(1) or "", stated.SECONDS, "DT", at + 1)
+        return int(npts.group(1)), step, at
     for where in (at, at + 1):
         found = _NUMBERS.findall(lines[where][: text.HEADER_LINE]) if where < len(lines) else []
         if where == at and not found:
             continue
+        comma = where < len(lines) and len(found) > 2 and re.search("[0-9],[0-9]", lines[where][: text.HEADER_LINE])
+        if comma:
+            raise RecordProblem("%s: a comma within the numbers may be the decimal sign" % shown(lines[where].strip(), 80),
+                                "write the numbers with a point", where + 1)
         if len(found) == 2 or (where == at and len(found) > 2):
             first, second = found[:2]
             if re.search(r"\bDT\b.*\bNPTS\b", line, re.I):
                 first, second = second, first
             if words.as_float(first) is not None and words.as_float(first) % 1.0 == 0.0:
-                return int(words.as_float(first)), words.as_float(second), where
+                unit = _DT_UNIT.search(line)
+                step = stated.in_seconds(second, "", unit.group(1) if unit else "", stated.SECONDS, "DT", where + 1)
+                return int(words.as_float(first)), step, where
         break
     raise RecordProblem(
         "%s does not give a count and a step; expected for instance NPTS= 2500, DT= .0100 SEC"
         % shown(line.strip(), 80), "correct the header line", at + 1)
-
-
-def unit_of(header):
-    """The unit that header lines state: (unit, the file's word); ("", "") where they are silent."""
-    for line in header:
-        for match in _UNITS.finditer(line):
-            word = match.group(1).strip("()[].:")
-            if words.unit(word):
-                return words.unit(word), word
-    for line in header:
-        for match in _BRACKETS.finditer(line):
-            if words.unit(match.group(1)):
-                return words.unit(match.group(1)), match.group(1)
-    for line in header:
-        match = _UNITS.search(line)
-        if match and not words.is_plain_word(match.group(1)):
-            return "", match.group(1).strip("()[]")
-    return "", ""
 
 
 def _names(header):
@@ -92,7 +79,6 @@ def read(content):
     if at is None:
         raise RecordProblem("no line with NPTS and DT among the first %d" % HEADER_LINES)
     npts, dt, last = _counts(lines, at)
-    check_step(dt, last + 1)
     first = last + 1
     while first < len(lines) and not numbers.is_row(lines[first]):
         first += 1
@@ -102,14 +88,20 @@ def read(content):
     block = numbers.without_trailer(lines[first:])
     if any("SPECTR" in line.upper() and "SERIES" not in line.upper() for line in header):
         raise RecordProblem("a spectrum, not a motion", "give the acceleration time series", 1)
-    unit, stated = unit_of(header)
+    unit = units.in_text([(number + 1, stated.without_facts(line)) for number, line in enumerate(header)])
     station, keys, component = _names(header)
     names = " ".join(line for line in header if re.search(r"UNITS?\b|TIME (SERIES|HISTORY)", line, re.I))
-    quantity = words.quantity(names) or words.quantity(" ".join(header))
+    # The line of event and station may have any word.
+    others = " ".join(line for line in header if line.count(",") < 2)
+    quantity = words.quantity(names) or words.quantity(others)
     data = _samples(block, first + 1, npts, dt, at + 1)
-    series = Series(data, dt, quantity, unit, stated, station=station,
+    # So long or short a step may be in another unit: it must be given.
+    series = Series(data, None if stated.doubtful(dt) else dt, quantity, unit.unit, unit.word, station=station,
                     channel=words.channel_code(keys, component) or quantity[:3].upper() or "CH")
-    series.header = {"npts_stated": npts, "title": header[0].strip()[:200] if header else "", **keys}
+    # The second line names the event, which tells the records of one station apart.
+    series.header = {"npts_stated": npts, "title": " / ".join(line.strip() for line in header[:2])[:200], **keys}
+    if unit.problem:
+        series.header["unit_problem"] = unit.problem
     return stream([series], NAME)
 
 

@@ -339,7 +339,7 @@ impl DesignSpectrum {
                 positive("pga", spectrum.pga)?;
                 if spectrum.factors().is_none() {
                     let range = "a ratio from 0.005 to 0.10, the range of Regulatory Guide 1.60";
-                    return refuse("spectrum.damping", spectrum.damping, range);
+                    return refuse("spectrum.damping", spectrum.damping, range, RATIO);
                 }
                 Ok(())
             }
@@ -350,10 +350,10 @@ impl DesignSpectrum {
             Self::Points(SpectrumPoints { periods, psa, damping: ratio }) => {
                 let lengths = format!("as many values as periods, {}", periods.len());
                 if psa.len() != periods.len() {
-                    return refuse("number of spectrum.psa", psa.len() as f64, lengths);
+                    return refuse("number of spectrum.psa", psa.len() as f64, lengths, PAIRS);
                 }
                 if periods.len() < 2 {
-                    return refuse("number of spectrum.periods", periods.len() as f64, "at least 2");
+                    return refuse("number of spectrum.periods", periods.len() as f64, "at least 2", PAIRS);
                 }
                 for value in periods {
                     positive("periods", *value)?;
@@ -362,7 +362,13 @@ impl DesignSpectrum {
                     positive("psa", *value)?;
                 }
                 if let Some(pair) = periods.windows(2).find(|pair| pair[1] <= pair[0]) {
-                    return refuse("spectrum.periods", pair[1], format!("a period above {} s", pair[0]));
+                    let remedy = "sort the points by period, each period once";
+                    return refuse(
+                        "spectrum.periods",
+                        pair[1],
+                        format!("a period above {} s", pair[0]),
+                        remedy,
+                    );
                 }
                 damping(*ratio)
             }
@@ -370,15 +376,34 @@ impl DesignSpectrum {
     }
 }
 
-fn refuse(parameter: &'static str, found: f64, expected: impl Into<String>) -> Result<(), InputError> {
-    Err(InputError::StepParameter { step: "design spectrum", parameter, found, expected: expected.into() })
+const RATIO: &str = "give a ratio, not per cent: 5 % is 0.05";
+const PAIRS: &str = "give one psa (m/s²) for each period (s)";
+
+fn refuse(
+    parameter: &'static str,
+    found: f64,
+    expected: impl Into<String>,
+    remedy: &str,
+) -> Result<(), InputError> {
+    Err(InputError::StepParameter {
+        step: "design spectrum",
+        parameter,
+        found,
+        expected: expected.into(),
+        remedy: remedy.into(),
+    })
 }
 
 fn positive(parameter: &'static str, found: f64) -> Result<(), InputError> {
-    if found.is_finite() && found > 0.0 { Ok(()) } else { refuse(parameter, found, "a positive number (SI)") }
+    const SI: &str = "accelerations are in m/s² (0.3 g is 2.942 m/s²), periods in s";
+    if found.is_finite() && found > 0.0 {
+        Ok(())
+    } else {
+        refuse(parameter, found, "a positive number (SI)", SI)
+    }
 }
 
 fn damping(found: f64) -> Result<(), InputError> {
     let within = found > 0.0 && found <= 0.5;
-    if within { Ok(()) } else { refuse("spectrum.damping", found, "a ratio above 0 and at most 0.5") }
+    if within { Ok(()) } else { refuse("spectrum.damping", found, "a ratio above 0 and at most 0.5", RATIO) }
 }

@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 use super::Motion;
 use super::process::{per_component, refuse, unfit};
 use crate::error::InputError;
+use crate::number::{nine, rounded};
 
 /// Highest order of a filter.
 pub(crate) const FILTER_ORDER_TO: usize = 10;
@@ -89,24 +90,34 @@ impl Filter {
             if let Some(f) = corner
                 && !(f > 0.0 && f < nyquist)
             {
-                let expected = format!("above 0 and below the Nyquist frequency {nyquist} Hz");
-                return refuse(STEP, parameter, f, expected);
+                let expected = format!("above 0 and below the Nyquist frequency {} Hz", nine(nyquist));
+                let remedy = match parameter {
+                    "f_max" if f >= nyquist => {
+                        "lower f_max, or leave it out: above Nyquist the record holds nothing"
+                    }
+                    _ => "give a corner inside the record's band, in Hz",
+                };
+                return refuse(STEP, parameter, f, expected, remedy);
             }
         }
         if let (Some(low), Some(high)) = (self.f_min, self.f_max)
             && low >= high
         {
-            return refuse(STEP, "f_min", low, format!("below f_max = {high} Hz"));
+            let remedy = "give the lower corner as f_min, the upper one as f_max";
+            return refuse(STEP, "f_min", low, format!("below f_max = {} Hz", nine(high)), remedy);
         }
         if !(1..=FILTER_ORDER_TO).contains(&self.order) {
             let expected = format!("a whole number from 1 to {FILTER_ORDER_TO}");
-            return refuse(STEP, "order", self.order as f64, expected);
+            return refuse(STEP, "order", self.order as f64, expected, "2 to 4 are customary");
         }
         let pad = self.pad_samples(dt);
         if pad > PAD_SAMPLES {
             let (parameter, f) = self.slowest();
-            let expected = format!("at least {:e}: {pad:e} zeros would be too many", f * pad / PAD_SAMPLES);
-            return refuse(STEP, parameter, f, expected);
+            let least = rounded(f * pad / PAD_SAMPLES);
+            let expected = format!("at least {least} Hz: {} zeros would be too many", rounded(pad));
+            let remedy = "raise the corner, widen the band or lower the order; `demean` and `detrend` take off \
+                          what is slower";
+            return refuse(STEP, parameter, f, expected, remedy);
         }
         Ok(())
     }

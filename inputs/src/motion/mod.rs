@@ -24,6 +24,7 @@ pub(crate) use trend::TREND_ORDER_TO;
 pub use filter::Filter;
 pub use matching::Matching;
 pub use process::Process;
+pub(crate) use processing::SAMPLES_TO as PAD_SAMPLES_TO;
 pub use quantity::Quantity;
 pub use scaling::Scaling;
 pub use spectrum::{
@@ -82,6 +83,7 @@ impl Motion {
                 parameter: "dt",
                 found: dt,
                 expected: "a positive time step in s".into(),
+                remedy: "give the step between two samples".into(),
             });
         }
         let mut first: Option<(usize, usize)> = None;
@@ -93,6 +95,7 @@ impl Motion {
                     parameter: "number of samples",
                     found: samples.len() as f64,
                     expected: "at least 2".into(),
+                    remedy: "give a longer record".into(),
                 });
             }
             if let Some(value) = samples.iter().find(|value| !value.is_finite()) {
@@ -101,6 +104,7 @@ impl Motion {
                     parameter: "sample",
                     found: *value,
                     expected: format!("finite samples in component {}", AXES[axis]),
+                    remedy: "repair the record at its source".into(),
                 });
             }
             match first {

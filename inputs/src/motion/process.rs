@@ -10,6 +10,7 @@ use super::matching::Matching;
 use super::trend::TREND_ORDER_TO;
 use super::{AXES, Filter, Motion, Quantity, Scaling, Step, filter, processing, resampling, rest, trend};
 use crate::error::InputError;
+use crate::number::plain;
 
 /// One step of processing, as it is written in a scene (`motion.process`) or after `--process`.
 ///
@@ -133,14 +134,24 @@ pub enum Process {
     },
 }
 
-/// Refuses a number of a step.
+/// Largest sample (SI) that a step may leave, far beyond any motion: sums of squares of such samples are still numbers.
+pub(super) const PEAK_TO: f64 = 1e30;
+
+/// Refuses a number of a step: what would do, and what to do about it.
 pub(super) fn refuse<T>(
     step: &'static str,
     parameter: &'static str,
     found: f64,
     expected: impl Into<String>,
+    remedy: impl Into<String>,
 ) -> Result<T, InputError> {
-    Err(InputError::StepParameter { step, parameter, found, expected: expected.into() })
+    Err(InputError::StepParameter {
+        step,
+        parameter,
+        found,
+        expected: expected.into(),
+        remedy: remedy.into(),
+    })
 }
 
 /// Refuses a motion that a step cannot act on, or a step that lacks something.
@@ -221,12 +232,12 @@ impl Process {
     pub fn apply(&self, motion: &mut Motion) -> Result<(), InputError> {
         let before = Motion { steps: Vec::new(), ..motion.clone() };
         let found = self.change(motion).and_then(|found| {
-            let finite = motion.components.iter().flatten().flatten().all(|value| value.is_finite());
-            match finite {
+            let sound = motion.components.iter().flatten().flatten().all(|value| value.abs() <= PEAK_TO);
+            match sound {
                 true => Ok(found),
                 false => unfit(
                     self.word(),
-                    "samples overflow",
+                    format!("samples would exceed {} {}", plain(PEAK_TO), motion.quantity.si_unit()),
                     "check the unit of the record and the step's numbers",
                 ),
             }

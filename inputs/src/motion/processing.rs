@@ -7,12 +7,13 @@ use serde_json::{Map, Value, json};
 use super::process::{per_component, refuse, unfit};
 use super::{BandWindow, Motion, Quantity, Spectrum, Step, gravity};
 use crate::error::InputError;
+use crate::number::{nine, plain};
 
 /// Share of a step within which a time counts as that of a sample.
 const ON_SAMPLE: f64 = 1e-6;
 
 /// Most samples of a padded motion.
-const SAMPLES_TO: f64 = 5e7;
+pub(crate) const SAMPLES_TO: f64 = 2e7;
 
 /// See [`Process::Demean`](super::Process::Demean).
 pub(super) fn demean(
@@ -25,8 +26,10 @@ pub(super) fn demean(
         Some(seconds) => {
             let longest = n as f64 * motion.dt;
             if !(seconds > 0.0 && seconds <= longest * (1.0 + 1e-9)) {
-                let expected = format!("more than 0 and at most {longest} s");
-                return refuse("demean", "first_seconds", seconds, expected);
+                let expected = format!("more than 0 and at most the motion's {} s", nine(longest));
+                let remedy =
+                    "give the quiet time before the first arrival, or leave it out for the whole record";
+                return refuse("demean", "first_seconds", seconds, expected, remedy);
             }
             ((seconds / motion.dt).round() as usize).clamp(1, n)
         }
@@ -49,16 +52,19 @@ pub(super) fn demean(
 /// See [`Process::Taper`](super::Process::Taper).
 pub(super) fn taper(motion: &mut Motion, start: f64, end: f64) -> Result<Map<String, Value>, InputError> {
     const STEP: &str = "taper";
-    let duration = motion.duration();
+    const REMEDY: &str = "give shorter tapers; a twentieth of the record at either end is customary";
+    let (dt, duration) = (motion.dt, motion.duration());
+    let longest = duration + ON_SAMPLE * dt;
     for (parameter, length) in [("start", start), ("end", end)] {
-        if !(length >= 0.0 && length <= duration) {
-            return refuse(STEP, parameter, length, format!("0 to the motion's {duration} s"));
+        if !(length >= 0.0 && length <= longest) {
+            let expected = format!("0 to the motion's {} s", nine(duration));
+            return refuse(STEP, parameter, length, expected, REMEDY);
         }
     }
-    if start + end > duration {
-        return refuse(STEP, "start + end", start + end, format!("at most the motion's {duration} s"));
+    if start + end > longest {
+        let expected = format!("at most the motion's {} s", nine(duration));
+        return refuse(STEP, "start + end", start + end, expected, REMEDY);
     }
-    let dt = motion.dt;
     let gain = |t: f64, length: f64| if t < length { 0.5 * (1.0 - (PI * t / length).cos()) } else { 1.0 };
     for samples in motion.components.iter_mut().flatten() {
         let last = samples.len() - 1;
@@ -72,7 +78,8 @@ pub(super) fn taper(motion: &mut Motion, start: f64, end: f64) -> Result<Map<Str
 /// See [`Process::Rotate`](super::Process::Rotate).
 pub(super) fn rotate(motion: &mut Motion, angle: f64) -> Result<Map<String, Value>, InputError> {
     if !angle.is_finite() {
-        return refuse("rotate", "angle", angle, "a finite number of degrees");
+        let remedy = "give the angle from the old x axis to the new one, counter-clockwise";
+        return refuse("rotate", "angle", angle, "a finite number of degrees", remedy);
     }
     let (sin, cos) = turned(angle);
     let [Some(x), Some(y), _] = &mut motion.components else {
@@ -106,21 +113,21 @@ pub(super) fn trim(
     let (n, dt, duration) = (motion.len(), motion.dt, motion.duration());
     let slack = ON_SAMPLE * dt;
     let end = to.unwrap_or(duration);
+    let length = nine(duration);
     if !(from >= 0.0 && from < duration) {
-        return refuse(STEP, "from", from, format!("at least 0 and below the motion's {duration} s"));
+        let expected = format!("at least 0 and below the motion's {length} s");
+        return refuse(STEP, "from", from, expected, "times count from the first sample, in s");
     }
     if !(end > from && end <= duration + slack) {
-        return refuse(
-            STEP,
-            "to",
-            end,
-            format!("above from = {from} s and at most the motion's {duration} s"),
-        );
+        let expected = format!("above from = {} s and at most the motion's {length} s", nine(from));
+        let remedy = "times count from the first sample, in s; leave `to` out for the record's end";
+        return refuse(STEP, "to", end, expected, remedy);
     }
     let first = (from / dt - ON_SAMPLE).ceil().max(0.0) as usize;
     let last = ((end / dt + ON_SAMPLE).floor() as usize).min(n - 1);
     if last < first + 1 {
-        return refuse(STEP, "to", end, format!("two samples or more from {from} s on; the step is {dt} s"));
+        let expected = format!("two samples or more from {} s on; the step is {} s", nine(from), nine(dt));
+        return refuse(STEP, "to", end, expected, "keep a longer part of the record");
     }
     for samples in motion.components.iter_mut().flatten() {
         samples.truncate(last + 1);
@@ -136,16 +143,18 @@ pub(super) fn trim(
 /// See [`Process::Pad`](super::Process::Pad).
 pub(super) fn pad(motion: &mut Motion, before: f64, after: f64) -> Result<Map<String, Value>, InputError> {
     let dt = motion.dt;
+    const REMEDY: &str = "give fewer zeros, or resample to a longer step before";
     let most = (SAMPLES_TO - motion.len() as f64).max(0.0) * dt;
+    let limit = format!("{} s: a motion has at most {} samples", nine(most), plain(SAMPLES_TO));
     for (parameter, seconds) in [("before", before), ("after", after)] {
         if !(seconds >= 0.0 && seconds <= most) {
-            return refuse("pad", parameter, seconds, format!("0 to {most} s"));
+            return refuse("pad", parameter, seconds, format!("0 to {limit}"), REMEDY);
         }
     }
-    let zeros = [before, after].map(|seconds| (seconds / dt).round() as usize);
     if before + after > most {
-        return refuse("pad", "before + after", before + after, format!("at most {most} s"));
+        return refuse("pad", "before + after", before + after, format!("at most {limit}"), REMEDY);
     }
+    let zeros = [before, after].map(|seconds| (seconds / dt).round() as usize);
     for samples in motion.components.iter_mut().flatten() {
         let mut long = vec![0.0; zeros[0]];
         long.append(samples);
@@ -184,11 +193,14 @@ impl Motion {
         const STEP: &str = "band";
         let nyquist = 0.5 / self.dt;
         if !(f_min >= 0.0 && f_min.is_finite()) {
-            return refuse(STEP, "f_min", f_min, "0 or a positive frequency in Hz");
+            let remedy = "give motion.band = [f_min, f_max], or \"auto\"";
+            return refuse(STEP, "f_min", f_min, "0 or a positive frequency in Hz", remedy);
         }
         if !(f_max > f_min && f_max <= nyquist * (1.0 + 1e-9)) {
-            let expected = format!("above f_min = {f_min} Hz and at most Nyquist = {nyquist} Hz");
-            return refuse(STEP, "f_max", f_max, expected);
+            let expected =
+                format!("above f_min = {} Hz and at most Nyquist = {} Hz", nine(f_min), nine(nyquist));
+            let remedy = "end motion.band at Nyquist or below, or leave it to \"auto\"";
+            return refuse(STEP, "f_max", f_max, expected, remedy);
         }
         let window = BandWindow::new(f_min, f_max, self.dt);
         for samples in self.components.iter_mut().flatten() {

@@ -8,6 +8,7 @@ use super::process::{per_component, refuse};
 use super::spectrum::{Spectrum, even_5_smooth, padded_length};
 use super::{Motion, PAD_SECONDS};
 use crate::error::InputError;
+use crate::number::{nine, rounded};
 
 /// Largest p and q of a ratio p/q of steps.
 const RATIO_TO: u64 = 10_000;
@@ -55,7 +56,8 @@ fn ratio(old: f64, new: f64) -> Result<(usize, usize), InputError> {
     let in_range = asked >= 1.0 / RATIO_TO as f64 && asked <= RATIO_TO as f64;
     if !in_range {
         let (low, high) = (old / RATIO_TO as f64, old * RATIO_TO as f64);
-        return refuse(STEP, "dt", new, format!("a step from {low:e} to {high:e} s"));
+        let expected = format!("a step from {} to {} s", rounded(low), rounded(high));
+        return refuse(STEP, "dt", new, expected, "give a step in s, for instance dt = 0.005");
     }
     let (p, q) = fraction(asked, RATIO_TO);
     if (p as f64 / q as f64 - asked).abs() <= RATIO_TOLERANCE * asked {
@@ -75,29 +77,32 @@ fn ratio(old: f64, new: f64) -> Result<(usize, usize), InputError> {
     near.sort_by(f64::total_cmp);
     let near: Vec<String> = near.iter().map(|dt| format!("{dt} s")).collect();
     let expected = format!(
-        "a whole-number ratio p/q to the step {old} s with p and q up to {RATIO_TO}; near are {}",
+        "a whole-number ratio p/q to the step {} s with p and q up to {RATIO_TO}; near are {}",
+        nine(old),
         near.join(" and ")
     );
-    refuse(STEP, "dt", new, expected)
+    refuse(STEP, "dt", new, expected, "give one of the near steps, digit by digit")
 }
 
 /// See [`Process::Resample`](super::Process::Resample).
 pub(super) fn resample(motion: &mut Motion, dt: f64) -> Result<Map<String, Value>, InputError> {
     if !(dt.is_finite() && dt > 0.0) {
-        return refuse(STEP, "dt", dt, "a positive time step in s");
+        let remedy = "give a step in s, for instance dt = 0.005";
+        return refuse(STEP, "dt", dt, "a positive time step in s", remedy);
     }
     let (n, old) = (motion.len(), motion.dt);
     let (p, q) = ratio(old, dt)?;
     let count = (n - 1) * p / q + 1;
     if count < 2 {
-        let expected = format!("at most the motion's length of {} s", motion.duration());
-        return refuse(STEP, "dt", dt, expected);
+        let expected = format!("at most the motion's length of {} s", nine(motion.duration()));
+        return refuse(STEP, "dt", dt, expected, "give a finer step");
     }
     let unit = even_5_smooth(padded_length(n, old, PAD_SECONDS).div_ceil(q));
     let (length, new_length) = (unit * q, unit * p);
     if length.max(new_length) as f64 > SAMPLES_TO {
         let finest = dt * new_length as f64 / SAMPLES_TO;
-        return refuse(STEP, "dt", dt, format!("about {finest:e} s or more: the motion would be too long"));
+        let expected = format!("about {} s or more: the motion would be too long", rounded(finest));
+        return refuse(STEP, "dt", dt, expected, "give a coarser step, or trim the record before");
     }
     let nyquist = 0.5 / dt;
     let gain = |f: f64| {

@@ -35,7 +35,9 @@ pub(super) fn rest(motion: &mut Motion) -> Result<Map<String, Value>, InputError
     refuse_quantity("rest", motion.quantity, Quantity::Acceleration)?;
     let (n, dt) = (motion.len(), motion.dt);
     if n < SAMPLES_FROM {
-        return refuse("rest", "number of samples", n as f64, format!("at least {SAMPLES_FROM}"));
+        let expected = format!("at least {SAMPLES_FROM}");
+        let remedy = "give a longer record, or pad it before";
+        return refuse("rest", "number of samples", n as f64, expected, remedy);
     }
     let shapes = shapes(n);
     let [first, second] = [at_end(&shapes[0], dt), at_end(&shapes[1], dt)];

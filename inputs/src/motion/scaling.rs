@@ -4,13 +4,17 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::process::{refuse, unfit};
+use super::process::{PEAK_TO, refuse, unfit};
 use super::{Motion, Quantity};
 use crate::error::InputError;
 use crate::measures;
+use crate::number::{plain, rounded};
 
 /// Damping ratio of the oscillator where none is given.
 pub(crate) const SCALING_DAMPING: f64 = 0.05;
+
+/// Smallest peak (SI) that a scaling may leave: the squares of its samples are still above 0.
+const PEAK_FROM: f64 = 1e-30;
 
 const STEP: &str = "scale";
 
@@ -127,7 +131,8 @@ impl Scaling {
             if value.is_finite() && value > 0.0 {
                 return Ok(());
             }
-            refuse(STEP, parameter, value, format!("a positive number in {unit}"))
+            let remedy = "give it in SI: 0.3 g is 2.942 m/s²";
+            refuse(STEP, parameter, value, format!("a positive number in {unit}"), remedy)
         };
         let as_quantity = |to| (0..3).filter_map(move |axis| motion.component_as(axis, to, 1));
         let peak = |to| as_quantity(to).flatten().fold(0.0, |peak: f64, value: f64| peak.max(value.abs()));
@@ -145,7 +150,8 @@ impl Scaling {
                 positive("sa", sa, "m/s²")?;
                 positive("period", period, "s")?;
                 if !(0.0..1.0).contains(&damping) {
-                    return refuse(STEP, "damping", damping, "a ratio of at least 0 and below 1");
+                    let remedy = "give a ratio, not per cent: 5 % is 0.05";
+                    return refuse(STEP, "damping", damping, "a ratio of at least 0 and below 1", remedy);
                 }
                 let psa = |a: Vec<f64>| measures::psa(&a, motion.dt, &[period], damping)[0];
                 let largest = as_quantity(Quantity::Acceleration).map(psa).fold(0.0, f64::max);
@@ -166,9 +172,20 @@ impl Scaling {
             );
         }
         let factor = wanted / before;
-        let representable = factor.is_finite() && factor != 0.0 && (motion.peak() * factor).is_finite();
-        if !representable {
-            return refuse(STEP, parameter, wanted, "a value that a finite factor other than 0 reaches");
+        // A motion at rest stays at rest, whatever the factor.
+        let peak = motion.peak();
+        let after = (peak * factor).abs();
+        let sound = factor.is_finite() && factor != 0.0;
+        if !sound || (peak > 0.0 && !(PEAK_FROM..=PEAK_TO).contains(&after)) {
+            let unit = motion.quantity.si_unit();
+            let expected = format!(
+                "a value that leaves a peak from {} to {} {unit}, not {}",
+                plain(PEAK_FROM),
+                plain(PEAK_TO),
+                rounded(after)
+            );
+            let remedy = "give the peak or the factor that is meant, in SI";
+            return refuse(STEP, parameter, wanted, expected, remedy);
         }
         let samples = motion.components.iter_mut().flatten().flatten();
         samples.for_each(|value| *value *= factor);

@@ -63,11 +63,11 @@ fn fit(y: &[f64], degree: usize, from_zero: bool) -> Fit {
 fn check_order(step: &'static str, order: usize, samples: usize) -> Result<(), InputError> {
     if !(1..=TREND_ORDER_TO).contains(&order) {
         let expected = format!("a whole number from 1 to {TREND_ORDER_TO}");
-        return refuse(step, "order", order as f64, expected);
+        return refuse(step, "order", order as f64, expected, "1 takes off a straight line");
     }
     if samples < order + 2 {
         let expected = format!("below the {samples} samples of the motion by 2 or more");
-        return refuse(step, "order", order as f64, expected);
+        return refuse(step, "order", order as f64, expected, "lower the order, or give a longer record");
     }
     Ok(())
 }

@@ -10,6 +10,9 @@ use super::{Channel, ReadOptions, Recognised, broken, checks, response, sha256};
 use crate::error::InputError;
 use crate::motion::{Quantity, Step, gravity};
 
+/// Time steps, s, that a file may state without the user's word: 10 kHz to 2 Hz.
+const PLAUSIBLE_STEP: (f64, f64) = (1e-4, 0.5);
+
 /// What a header may say of its samples that a user should see beside them.
 const FACTS: [&str; 8] =
     ["title", "corrected", "filter", "left_out", "sense", "azimuth_deg", "peak_stated", "npts_stated"];
@@ -89,7 +92,12 @@ impl Origin<'_> {
         let (path, channel) = (self.file.source.location.clone(), whole.id.clone());
         let stated = whole.flag("dt_stated") != Some(false);
         match self.file.source.dt {
-            None if stated => {}
+            None if stated => {
+                let (low, high) = PLAUSIBLE_STEP;
+                if !(low..=high).contains(&whole.dt) {
+                    return Err(InputError::StepImplausible { path, channel, dt: whole.dt, low, high });
+                }
+            }
             None => return Err(InputError::StepMissing { path, channel }),
             Some(given) if !(given.is_finite() && given > 0.0) => {
                 return Err(InputError::BadStep { path, channel, dt: given });

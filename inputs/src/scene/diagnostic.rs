@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+pub(super) use crate::number::{plain, rounded};
+
 /// How much a [`Diagnostic`] matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -136,20 +138,6 @@ impl<'a> IntoIterator for &'a Diagnostics {
     }
 }
 
-/// A number as a person would write it: plain between 1e-4 and 1e7, else with an exponent.
-pub(super) fn plain(x: f64) -> String {
-    if x == 0.0 || (1e-4..1e7).contains(&x.abs()) || !x.is_finite() {
-        format!("{x}")
-    } else {
-        format!("{x:e}")
-    }
-}
-
-/// A derived number with four significant digits, trailing zeros dropped.
-pub(super) fn rounded(x: f64) -> String {
-    format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), plain)
-}
-
 /// A value with its unit; dimensionless values (`""` or `"1"`) stand alone.
 pub(super) fn with_unit(text: String, unit: &str) -> String {
     if unit.is_empty() || unit == "1" { text } else { format!("{text} {unit}") }
@@ -179,14 +167,6 @@ pub(super) fn listed(words: &[&str], mark: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_read_well() {
-        assert_eq!(plain(1200.0), "1200");
-        assert_eq!(plain(1e-6), "1e-6");
-        assert_eq!(rounded(777.817459), "777.8");
-        assert_eq!(rounded(-0.0333333), "-0.03333");
-    }
 
     #[test]
     fn nearest_word_needs_resemblance() {

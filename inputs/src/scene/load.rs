@@ -38,6 +38,27 @@ pub struct Source {
     pub warnings: Diagnostics,
 }
 
+impl Source {
+    /// Where a key stands, as a finding begins: `scene.toml:6 motion.process[1].f_max`, `--set motion.band`.
+    ///
+    /// A key that nobody wrote is looked for in the table or list around it; without any of these the file's name
+    /// and the key remain.
+    #[must_use]
+    pub fn place_of(&self, key: &str) -> String {
+        let mut written = key;
+        loop {
+            match self.written.get(written) {
+                Some(Written::File(line)) => return format!("{}:{line} {written}", self.name),
+                Some(Written::Override) => return format!("{} {written}", document::OVERRIDE),
+                None => match written.rfind(['.', '[']) {
+                    Some(end) => written = &written[..end],
+                    None => return format!("{} {key}", self.name),
+                },
+            }
+        }
+    }
+}
+
 /// Reads and checks a scene: `path` is a scene file, or a folder that holds a `scene.toml`.
 ///
 /// Errors: every problem of the scene at once, in the order of its lines, each with line, column and key. Warnings are

@@ -34,7 +34,7 @@ impl Process {
                 return Err(refused(format!("{word}: expected key=value\n  help: for instance f_min=0.1")));
             };
             if given.contains(&key) {
-                return Err(refused(format!("{key}: given twice")));
+                return Err(refused(format!("{key}: given twice\n  help: give it once")));
             }
             given.push(key);
             document::set(&mut table, key, value).map_err(|found| {

@@ -121,6 +121,7 @@ impl Writer<'_> {
             // Writing to a string cannot fail.
             let _ = writeln!(self.out, "process = [{}] # {who}", steps.join(", "));
         }
+        self.entry("motion", "accept_clipped", &m.accept_clipped);
         for (axis, component) in ["x", "y", "z"].into_iter().zip(self.scene.components()) {
             if let Some(component) = component {
                 self.component(axis, component, m.quantity);

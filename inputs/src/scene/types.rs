@@ -154,6 +154,9 @@ pub struct Motion {
     #[serde(default = "default_process")]
     #[schemars(extend("x-default" = "one `demean`"))]
     pub process: Vec<Process>,
+    /// Lets records pass that look clipped, where a plateau at the extreme is meant.
+    #[serde(default)]
+    pub accept_clipped: bool,
     /// Horizontal component along x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "at rest"))]

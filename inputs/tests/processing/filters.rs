@@ -222,5 +222,9 @@ fn filters_refuse_what_has_no_meaning() {
     for order in [0, 11] {
         refused(&filter(Some(5.0), None, order), &motion, &["filter: order", "1 to 10"]);
     }
-    refused(&filter(Some(1e-9), None, 4), &motion, &["f_min = 0.000000001", "zeros would be too many"]);
+    refused(
+        &filter(Some(1e-9), None, 4),
+        &motion,
+        &["f_min = 1e-9", "at least 3.576e-5 Hz", "zeros would be too many", "help: raise"],
+    );
 }

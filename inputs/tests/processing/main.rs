@@ -60,7 +60,7 @@ fn refused(process: &Process, motion: &Motion, parts: &[&str]) {
     let error = process.apply(&mut changed).unwrap_err();
     let good = matches!(error, InputError::StepParameter { .. } | InputError::StepUnfit { .. });
     assert!(good, "{error}");
-    for part in parts {
+    for part in parts.iter().chain(&["\n  help: "]) {
         assert!(error.to_string().contains(part), "{part:?} is not in {error}");
     }
     assert_eq!(&changed, motion, "a refused step leaves the motion alone");
@@ -210,7 +210,11 @@ fn trims_and_pads_move_the_start() {
     refused(&Process::Trim { from: 10.0, to: None }, &before, &["trim: from"]);
     refused(&Process::Trim { from: 0.31, to: Some(0.39) }, &before, &["two samples"]);
     refused(&Process::Pad { before: -1.0, after: 0.0 }, &before, &["pad: before"]);
-    refused(&Process::Pad { before: 0.0, after: 1e12 }, &before, &["pad: after"]);
+    refused(
+        &Process::Pad { before: 0.0, after: 1e12 },
+        &before,
+        &["pad: after = 1e12;", "at most 2e7 samples"],
+    );
 }
 
 #[test]
@@ -293,6 +297,14 @@ fn scaling_reaches_what_was_asked_and_says_its_factor() {
     let psa = (0..2).map(|axis| measures::psa(&motion_component(&sa, axis), dt, &[0.5], 0.05)[0]);
     assert_relative_eq!(psa.fold(0.0, f64::max), 5.0, max_relative = 1e-9);
 
+    // Squares of such samples would not be numbers, or all be 0.
+    for factor in [1e200, -1e154, 1e-200] {
+        refused(
+            &Process::Scale(Scaling::Factor(factor)),
+            &motion,
+            &["scale: factor", "from 1e-30 to 1e30 m/s²"],
+        );
+    }
     for factor in [0.0, f64::NAN, f64::INFINITY, 1e308] {
         let mut large = motion.clone();
         Process::Scale(Scaling::Factor(10.0)).apply(&mut large).unwrap();

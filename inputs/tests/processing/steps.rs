@@ -146,12 +146,17 @@ fn a_step_of_the_command_line_says_what_is_wrong() {
             "match spectrum.kind=rg161 spectrum.pga=2",
             &["spectrum.kind: expected \"rg160\"", "did you mean \"rg160\"?"],
         ),
-        ("match spectrum.kind=rg160 spectrum.pga=-2", &["spectrum: ", "-2"]),
+        ("match spectrum.kind=rg160 spectrum.pga=-2", &["spectrum.pga: ", "above 0 m/s², found -2 m/s²"]),
+        ("match spectrum.kind=rg160", &["spectrum.pga: missing", "help: give the peak", "in m/s²"]),
         ("match tolerance=0.1", &["spectrum: missing", "kind = \"rg160\""]),
         ("convert to=speed", &["\"velocity\"", "\"speed\""]),
     ] {
         let error = Process::parse(text).unwrap_err();
         assert!(matches!(error, InputError::ProcessText { .. }), "{error}");
+        let mistakes = error.to_string();
+        let mistakes = mistakes.lines().collect::<Vec<_>>();
+        assert!(mistakes.len().is_multiple_of(2), "each mistake has its help: {error}");
+        assert!(mistakes.chunks(2).all(|pair| pair[1].starts_with("  help: ")), "{error}");
         for part in parts {
             assert!(error.to_string().contains(part), "{part:?} is not in {error}");
         }

@@ -1,6 +1,7 @@
 //! Scene files: every mistake is named with its line and key, and good scenes survive being written back.
 
 mod mistakes;
+mod process;
 mod resolved;
 mod schema;
 mod validator;

@@ -116,8 +116,44 @@ fn single_mistakes() {
         ),
         (
             "step = \"scale\", factor = 2.0",
-            "step = \"match\", spectrum = { kind = \"points\" }",
-            &["8 motion.process[2].spectrum: "],
+            "step = \"match\", spectrum = { kind = \"points\", periods = [0.1, 0.2] }",
+            &["8 motion.process[2].spectrum.psa: missing", "m/s² for each period"],
+        ),
+        (
+            "step = \"scale\", factor = 2.0",
+            "step = \"match\", spectrum = { kind = \"points\", periods = [0.2, 0.1], psa = [1.0, 1.0] }",
+            &["8 motion.process[2].spectrum: ", "a period above 0.2 s", "sort the points"],
+        ),
+        (
+            "step = \"scale\", factor = 2.0",
+            "step = \"match\", spectrum = { kind = \"rg160\" }",
+            &["8 motion.process[2].spectrum.pga: missing", "acceleration in m/s², for instance pga = 2.0"],
+        ),
+        (
+            "f_min = 0.2",
+            "f_min = 0.2, f_max = 100",
+            &["8 motion.process[1].f_max: 100 Hz is not below the Nyquist frequency 100 Hz", "lower"],
+        ),
+        (
+            "step = \"scale\", factor = 2.0",
+            "step = \"resample\", dt = 0.02 }, { step = \"filter\", f_max = 30",
+            &[
+                "8 motion.process[3].f_max: 30 Hz is not below the Nyquist frequency 25 Hz",
+                "lower the corner",
+            ],
+        ),
+        (
+            "step = \"scale\", factor = 2.0",
+            "step = \"convert\", to = \"velocity\" }, { step = \"rest\"",
+            &[
+                "8 motion.process[3]: the motion is a velocity here; `rest`",
+                "to = \"acceleration\" } before it",
+            ],
+        ),
+        (
+            "step = \"scale\", factor = 2.0",
+            "step = \"pad\", before = 4e5",
+            &["8 motion.process[2]: 400000 s of zeros are too many: at most 2e7 samples, 100000 s", "fewer"],
         ),
         ("[0.2, 20.0]", "[20.0, 0.2]", &["9 motion.band: f_min = 20 Hz is not below f_max = 0.2 Hz"]),
         ("[0.2, 20.0]", "[0, 20.0]", &["9 motion.band[1]: expected a number above 0 Hz"]),

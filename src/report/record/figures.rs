@@ -7,7 +7,8 @@ use super::super::measure::{BANDWIDTH, DAMPING, TraceMeasures};
 use super::super::place::{AUXILIARY, Drawn, legend, words};
 use super::super::svg::{Anchor, Axis, Figure, Panel, Rect, Stroke, Text, significant};
 use super::super::table::Table;
-use super::has_spectra;
+use super::{has_spectra, target};
+use crate::record::Matched;
 
 const ROTD50: Stroke = Stroke::solid("#27323d", 2.4);
 const ROTD100: Stroke = Stroke::solid("#27323d", 1.5).dashed("7 3");
@@ -17,11 +18,17 @@ const SMALL: f64 = 250.0;
 const PERIOD: (f64, f64) = (0.01, 10.0);
 
 /// PSA with RotD50 and RotD100 above, PSV and SD below.
-pub(super) fn response_spectra(group: &Traces<'_>, rotated: Option<&RotatedSpectrum>) -> Option<Plate> {
+pub(super) fn response_spectra(
+    group: &Traces<'_>,
+    rotated: Option<&RotatedSpectrum>,
+    matched: Option<&Matched>,
+) -> Option<Plate> {
     let curves: Vec<&Drawn<'_>> =
         group.drawn.iter().filter(|d| has_spectra(&group.measures[d.index])).collect();
     let of_curves = curves.iter().map(|d| peak(&group.measures[d.index].psa)).fold(0.0, f64::max);
-    let top = rotated.map_or(0.0, |r| peak(&r.rotd100)).max(of_curves);
+    let targets = targets(group, matched);
+    let of_targets = targets.iter().flat_map(|(_, curves)| &curves[1]).map(|(_, value)| *value);
+    let top = of_targets.fold(rotated.map_or(0.0, |r| peak(&r.rotd100)).max(of_curves), f64::max);
     if curves.is_empty() || top <= 0.0 {
         return None;
     }
@@ -32,6 +39,9 @@ pub(super) fn response_spectra(group: &Traces<'_>, rotated: Option<&RotatedSpect
     let right = Axis::linear(y.min / GRAVITY, y.max / GRAVITY, "PSA (g)", 7);
     let panel = Panel::draw(&mut figure, PSA, Axis::log(PERIOD.0, PERIOD.1, "period (s)"), y, true, true);
     panel.right_scale(&mut figure, &right);
+    for (_, [low, high, _]) in &targets {
+        panel.band(&mut figure, low, high, target::BAND);
+    }
     for d in &curves {
         panel.polyline(&mut figure, &points(group, &group.measures[d.index].psa), d.stroke);
     }
@@ -43,6 +53,10 @@ pub(super) fn response_spectra(group: &Traces<'_>, rotated: Option<&RotatedSpect
             panel.polyline(&mut figure, &points(group, values), stroke);
             entries.push((name.to_owned(), stroke));
         }
+    }
+    for (name, [_, _, line]) in &targets {
+        panel.polyline(&mut figure, line, target::TARGET);
+        entries.push((name.clone(), target::TARGET));
     }
     figure.legend(PSA.x + PSA.width, &entries);
     panel.close(&mut figure);
@@ -63,6 +77,20 @@ pub(super) fn response_spectra(group: &Traces<'_>, rotated: Option<&RotatedSpect
         );
     }
     Some(Plate { figure, csv: spectra_table(group, &curves, rotated), caption })
+}
+
+/// The targets of a match that hold for the damping of this figure, one for x and y together and one for z, each with
+/// its name in the legend.
+fn targets(group: &Traces<'_>, matched: Option<&Matched>) -> Vec<(String, target::Band)> {
+    let Some(matched) = matched.filter(|m| (m.matching.spectrum.damping() - DAMPING).abs() < 1e-9) else {
+        return vec![];
+    };
+    let has = |axes: &[usize]| group.drawn.iter().any(|d| axes.contains(&d.trace.axis));
+    let level = has(&[0, 1]).then_some((0, "target"));
+    let upright = has(&[2]).then_some((2, "target of z"));
+    let same = matched.matching.spectrum.for_axis(0) == matched.matching.spectrum.for_axis(2);
+    let wanted = level.into_iter().chain(upright.filter(|_| level.is_none() || !same));
+    wanted.map(|(axis, name)| (name.to_owned(), target::band(matched, axis, group.periods))).collect()
 }
 
 fn points(group: &Traces<'_>, values: &[f64]) -> Vec<(f64, f64)> {

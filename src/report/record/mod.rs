@@ -6,6 +6,7 @@
 mod figures;
 mod index;
 mod page;
+mod target;
 
 use std::path::Path;
 
@@ -17,7 +18,7 @@ use super::measure::{self, BANDWIDTH, DAMPING, TraceMeasures};
 use super::page::Entry;
 use super::place::{COMPONENTS, Drawn};
 use crate::outputs::OutputError;
-use crate::record::{Measured, Recording};
+use crate::record::{Component, Matched, Measured, Recording};
 use crate::results::Trace;
 
 pub(crate) use index::{Row, write_index};
@@ -25,10 +26,11 @@ pub(crate) use index::{Row, write_index};
 /// Centre frequencies of the ratio of spectra.
 const RATIO_CENTRES: usize = 200;
 /// Names of all figures that a recording can have.
-const FIGURES: [&str; 8] = [
+const FIGURES: [&str; 9] = [
     "acceleration",
     "velocity",
     "displacement",
+    "target-spectra",
     "response-spectra",
     "fourier-amplitude",
     "horizontal-to-vertical",
@@ -37,13 +39,13 @@ const FIGURES: [&str; 8] = [
 ];
 
 /// Writes `report.html` and `figures/` into the existing folder `dir`; `summary` is the content of
-/// `record.json`.
+/// `record.json`. Returns the files' names within `dir`, the page last.
 pub(crate) fn write_record_report(
     dir: &Path,
     recording: &Recording,
     measured: &Measured,
     summary: &Value,
-) -> Result<(), OutputError> {
+) -> Result<Vec<String>, OutputError> {
     let traces: Vec<Trace> = measured.components.iter().map(|c| c.trace.clone()).collect();
     let periods = measure::periods();
     let wanted = vec![true; traces.len()];
@@ -61,10 +63,13 @@ pub(crate) fn write_record_report(
         measures: &spectra,
         periods: &periods,
     };
-    let entries = entries(&group, measured);
+    let entries = entries(&group, measured, recording.matched().as_ref());
     super::write_figures(dir, entries.iter())?;
     let html = page::page(recording, measured, summary, &entries);
-    crate::outputs::replace_bytes(&dir.join("report.html"), html.as_bytes(), false)
+    crate::outputs::replace_bytes(&dir.join("report.html"), html.as_bytes(), false)?;
+    let names = entries.iter().map(|entry| entry.plate.figure.name.as_str());
+    let files = names.flat_map(|name| ["svg", "csv"].map(|ending| format!("figures/{name}.{ending}")));
+    Ok(files.chain(["report.html".to_owned()]).collect())
 }
 
 /// Takes away the figures that an earlier call left in `dir`.
@@ -90,20 +95,31 @@ fn drawn(traces: &[Trace]) -> Vec<Drawn<'_>> {
 }
 
 /// The figures in reading order.
-fn entries(group: &Traces<'_>, measured: &Measured) -> Vec<Entry> {
+fn entries(group: &Traces<'_>, measured: &Measured, matched: Option<&Matched>) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |plate: Option<Plate>, heading| {
         entries.extend(plate.map(|plate| Entry { plate, heading, folded: false, words: String::new() }));
     };
     add(super::figures::histories(group, Motion::Acceleration, None), "Time histories");
-    let velocity: Vec<Vec<f64>> = measured.components.iter().map(|c| c.velocity_from_rest.clone()).collect();
-    add(super::figures::histories(group, Motion::Velocity, Some(&from_rest(&velocity))), "Velocity");
-    let displacement: Vec<Vec<f64>> =
-        measured.components.iter().map(|c| c.displacement_from_rest.clone()).collect();
-    let behind = from_rest(&displacement);
-    add(super::figures::histories(group, Motion::Displacement, Some(&behind)), "Displacement");
+    for (motion, heading) in [(Motion::Velocity, "Velocity"), (Motion::Displacement, "Displacement")] {
+        let from_rest = |c: &Component| match motion {
+            Motion::Velocity => c.velocity_from_rest.clone(),
+            _ => c.displacement_from_rest.clone(),
+        };
+        let values: Vec<Vec<f64>> = measured.components.iter().map(from_rest).collect();
+        // Brought to rest, the motion has one history, which is the one from rest.
+        let behind = (!measured.from_rest).then(|| behind(&values));
+        let mut plate = super::figures::histories(group, motion, behind.as_ref());
+        if let (Some(plate), true) = (&mut plate, measured.from_rest) {
+            plate
+                .caption
+                .push_str(" Integrated from rest, as a model follows it; PGV and PGD are its peaks.");
+        }
+        add(plate, heading);
+    }
+    add(matched.and_then(|matched| target::target_spectra(group, matched)), "Target spectrum");
     let rotated = rotated(group);
-    add(figures::response_spectra(group, rotated.as_ref()), "Response spectra");
+    add(figures::response_spectra(group, rotated.as_ref(), matched), "Response spectra");
     add(super::figures::fourier(group), "Fourier spectra");
     add(
         ratio(group).and_then(|(f, r)| figures::horizontal_to_vertical(group, &f, &r)),
@@ -114,7 +130,7 @@ fn entries(group: &Traces<'_>, measured: &Measured) -> Vec<Entry> {
     entries
 }
 
-fn from_rest(values: &[Vec<f64>]) -> Behind<'_> {
+fn behind(values: &[Vec<f64>]) -> Behind<'_> {
     Behind {
         key: "from_rest",
         words: " Coloured: without what lies below one period in the record; PGV and PGD are its peaks. Grey: \

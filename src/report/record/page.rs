@@ -42,7 +42,7 @@ fn header(recording: &Recording) -> String {
         if count == 1 { "" } else { "s" },
         show(Some(&motion.len().into())),
         duration(Some(motion.dt)),
-        duration(Some(motion.len() as f64 * motion.dt)),
+        duration(Some(motion.duration())),
     );
     match motion.start {
         Some(start) => line.push_str(&format!(" · starts {}", iso8601(start))),
@@ -122,7 +122,13 @@ fn measures(measured: &Measured) -> String {
             significant(c.band.1, 3),
         );
     }
-    html.push_str("</tbody></table></div></section>");
+    html.push_str("</tbody></table></div><p class=\"quiet\">PGV and PGD are peaks of the integrals ");
+    html.push_str(if measured.from_rest {
+        "from rest, as a model follows them: the ground was brought to rest."
+    } else {
+        "without what lies below one period in the record."
+    });
+    html.push_str("</p></section>");
     html
 }
 
@@ -217,8 +223,9 @@ fn processing(recording: &Recording) -> String {
     let items: String = steps
         .map(|step| {
             let value = serde_json::json!(step);
-            let words = words(&step.name);
-            let words = if words.is_empty() { String::new() } else { format!(": {words}") };
+            let words = [axis_of_time(&value), words(&step.name).to_owned()];
+            let words: Vec<String> = words.into_iter().filter(|words| !words.is_empty()).collect();
+            let words = if words.is_empty() { String::new() } else { format!(": {}", words.join("; ")) };
             format!(
                 "<li><b>{}</b>{words} <span class=\"quiet\">{}</span></li>",
                 escape(&step.name),
@@ -234,6 +241,22 @@ fn processing(recording: &Recording) -> String {
     format!(
         "<section class=\"doubts found-1\"><article><h2>What was done, in order</h2>{items}</article></section>"
     )
+}
+
+/// What a step did to the time step and the length, first of all that is said of it.
+fn axis_of_time(step: &Value) -> String {
+    let positive = |path: &[&str]| number(step, path).filter(|seconds| *seconds > 0.0);
+    let mut parts = vec![];
+    let asked = number(step, &["parameters", "dt"]).filter(|_| step["name"] == "resample");
+    if let Some(dt) = asked.or_else(|| positive(&["found", "dt_s"])) {
+        parts.push(format!("<b>step now {}</b>", duration(Some(dt))));
+    }
+    for (key, place) in [("pad_before_s", "before"), ("pad_after_s", "after")] {
+        if let Some(seconds) = positive(&["found", key]) {
+            parts.push(format!("<b>{} of zeros {place}</b>", duration(Some(seconds))));
+        }
+    }
+    parts.join(", ")
 }
 
 /// What a step does.

@@ -72,12 +72,26 @@ struct Constraint {
 }
 
 /// Changes the record (m/s², step `dt` in s) once; see the module [`matching`](super).
-pub(super) fn iterate(record: &mut [f64], dt: f64, target: &Target, metric: &Metric) {
+///
+/// Returns the effort, constraints times all their entries, the number of products being about half of it; `None`,
+/// with the record as it was, where it would be above `most`.
+pub(super) fn iterate(
+    record: &mut [f64],
+    dt: f64,
+    target: &Target,
+    metric: &Metric,
+    most: f64,
+) -> Option<f64> {
     let mut constraints: Vec<Constraint> = rest(record.len())
         .into_iter()
         .map(|shares| Constraint { first: 0, missing: -dot(&shares, record), shares, equal: true })
         .collect();
     constraints.extend(bounds(record, dt, target));
+    let entries: usize = constraints.iter().map(|c| c.shares.len()).sum();
+    let effort = constraints.len() as f64 * entries as f64;
+    if effort > most {
+        return None;
+    }
     let multipliers = multipliers(&constraints, metric);
     let mut sum = vec![0.0; record.len()];
     for (c, multiplier) in constraints.iter().zip(multipliers) {
@@ -86,6 +100,7 @@ pub(super) fn iterate(record: &mut [f64], dt: f64, target: &Target, metric: &Met
     }
     let change = metric.apply(0, &sum);
     record.iter_mut().zip(change).for_each(|(a, change)| *a += change);
+    Some(effort)
 }
 
 /// Means of a and of (t_end − t)/t_end · a as shares of the samples: zero for a ground at rest in the end.

@@ -30,6 +30,7 @@ use super::process::{refuse, refuse_quantity, unfit};
 use super::{AXES, BandWindow, Motion, PAD_SECONDS, Quantity, Spectrum, Step, resample_as};
 use crate::error::InputError;
 use crate::measures::{DesignSpectrum, log_periods, psa};
+use crate::number::nine;
 
 const STEP: &str = "match";
 
@@ -45,6 +46,11 @@ const GOOD: f64 = 0.92;
 
 /// Periods up to this multiple of the longest one have an upper bound.
 const BEYOND: f64 = 2.5;
+
+/// Most effort of one iteration and of all those of a component, in multiplications of the constraints' entries by
+/// their number: about ten seconds and a minute on two cores of today.
+const EFFORT_TO: f64 = 4e11;
+const EFFORT_IN_ALL_TO: f64 = 2e12;
 
 /// Most samples of a component after padding and interpolation.
 const SAMPLES_UP_TO: usize = 1 << 17;
@@ -67,8 +73,9 @@ const SAMPLES_UP_TO: usize = 1 << 17;
 ///
 /// Cost: one iteration is about `rows² · memory + rows · N log N`, rows the bounded half-cycles (500 to
 /// 1500 at 5 % damping), memory the samples over which an oscillator forgets; a 60 s record takes a second
-/// or two in all at 5 % damping, far longer at 0.5 %. Limits: 131072 samples after padding and
-/// interpolation; a seed without motion at some period is given motion there that it never had.
+/// or two in all at 5 % damping, ten at 2 %, a minute at 1 %. A match that would take minutes, as most do at
+/// 0.5 %, is refused. Limits: 131072 samples after padding and interpolation; a seed without motion at some
+/// period is given motion there that it never had.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Matching {
@@ -185,17 +192,20 @@ impl Matching {
         self.spectrum.check()?;
         let [shortest, longest] = self.periods;
         if !(shortest >= 0.01 && shortest.is_finite()) {
-            return refuse(STEP, "periods", shortest, "a shortest period of 0.01 s or more");
+            let remedy = "give periods = [shortest, longest] in s, for instance [0.02, 10.0]";
+            return refuse(STEP, "periods", shortest, "a shortest period of 0.01 s or more", remedy);
         }
         if !(longest >= 1.5 * shortest && longest <= 20.0) {
-            let expected = format!("a longest period of {} s to 20 s", 1.5 * shortest);
-            return refuse(STEP, "periods", longest, expected);
+            let expected = format!("a longest period of {} s to 20 s", nine(1.5 * shortest));
+            let remedy = "give periods = [shortest, longest] in s, for instance [0.02, 10.0]";
+            return refuse(STEP, "periods", longest, expected, remedy);
         }
         if !(self.tolerance >= 0.02 && self.tolerance < 1.0) {
-            return refuse(STEP, "tolerance", self.tolerance, "0.02 or more, below 1");
+            let remedy = "give a ratio, not per cent: 10 % is 0.1";
+            return refuse(STEP, "tolerance", self.tolerance, "0.02 or more, below 1", remedy);
         }
         if self.iterations == 0 {
-            return refuse(STEP, "iterations", 0.0, "at least 1");
+            return refuse(STEP, "iterations", 0.0, "at least 1", "30 are customary");
         }
         Ok(())
     }
@@ -281,8 +291,15 @@ impl Matching {
         let mut current = seed.start.clone();
         let shapes = adjust::rest(current.len()).map(|shares| metric.apply(0, &shares));
         let mut best: Option<Match> = None;
+        let mut left = EFFORT_IN_ALL_TO;
         for iterations in 1..=self.iterations {
-            adjust::iterate(&mut current, dt, &target, &metric);
+            // Half-cycles grow in number while the spectrum is approached: the first iteration is the smallest one.
+            let share = if iterations == 1 { 0.25 } else { 1.0 };
+            let most = (share * EFFORT_TO).min(left);
+            let Some(effort) = adjust::iterate(&mut current, dt, &target, &metric, most) else {
+                return self.too_long(axis, iterations, spectrum);
+            };
+            left -= effort;
             let mut record = current.clone();
             bring_to_rest(&mut record, dt, &shapes);
             let found = psa(&record, dt, &checks, spectrum.damping());
@@ -313,6 +330,20 @@ impl Matching {
             Some(best) if best.off() <= self.tolerance => Ok(best),
             other => Err(self.not_matched(axis, other.map_or((f64::NAN, f64::NAN), |best| best.worst()))),
         }
+    }
+
+    fn too_long<T>(&self, axis: usize, iteration: usize, spectrum: &DesignSpectrum) -> Result<T, InputError> {
+        let problem = format!(
+            "component {}: at a damping of {} and from {} s to {} s the match would take minutes or more (stopped in \
+             iteration {iteration})",
+            AXES[axis],
+            nine(spectrum.damping()),
+            nine(self.periods[0]),
+            nine(self.periods[1])
+        );
+        let remedy = "take the spectrum at a higher damping, trim the record to its strong part, raise the shortest \
+                      period, or choose a seed nearer to the spectrum";
+        unfit(STEP, problem, remedy)
     }
 
     fn not_matched(&self, axis: usize, (ratio, period): (f64, f64)) -> InputError {

@@ -1,8 +1,8 @@
 //! Text formats read by the plug-ins of `inputs/python/hati_obspy`.
 //!
 //! The plug-ins recognise and check; what is left here is the unit. Each channel's header has `unit` (a
-//! word of [`Unit`], or empty), `unit_stated` (the file's own words for it) and `quantity` (what the file
-//! calls its samples, or empty).
+//! word of [`Unit`], or empty), `unit_stated` (the file's own words for it), `quantity` (what the file
+//! calls its samples, or empty) and, where the file's words contradict each other, `unit_problem`.
 
 use super::{Recognition, RecordFormat, Segment, StoredUnit, Unit};
 
@@ -23,6 +23,10 @@ pub(super) const fn format(name: &'static str, plug_in: &'static str) -> RecordF
 pub(super) fn unit(segment: &Segment) -> Result<StoredUnit, String> {
     let text = |key: &str| segment.text(key).unwrap_or_default();
     let (word, stated, quantity) = (text("unit"), text("unit_stated"), text("quantity"));
+    let problem = text("unit_problem");
+    if word.is_empty() && !problem.is_empty() {
+        return Err(problem.into());
+    }
     if word.is_empty() && stated.is_empty() {
         return Err("the file states no unit".into());
     }
@@ -31,9 +35,8 @@ pub(super) fn unit(segment: &Segment) -> Result<StoredUnit, String> {
     };
     let measures = unit.quantity().to_string();
     if !quantity.is_empty() && quantity != measures {
-        return Err(format!(
-            "the file calls its samples {quantity}s and gives {stated}, a unit of {measures}"
-        ));
+        let samples = if quantity == "velocity" { "velocities".into() } else { format!("{quantity}s") };
+        return Err(format!("the file calls its samples {samples} and gives {stated}, a unit of {measures}"));
     }
     let text = if stated.is_empty() { word } else { stated };
     Ok(StoredUnit { text: text.into(), ..StoredUnit::of(unit) })
@@ -75,6 +78,14 @@ mod tests {
             (json!({"unit": "", "unit_stated": "", "quantity": "acceleration"}), "states no unit"),
             (json!({}), "states no unit"),
             (json!({"unit": "", "unit_stated": "mg"}), "\"mg\", which is no unit"),
+            (
+                json!({"unit": "", "unit_stated": "g", "unit_problem": "the file states \"g\" and \"gal\""}),
+                "states \"g\" and \"gal\"",
+            ),
+            (
+                json!({"unit": "gal", "unit_stated": "gal", "quantity": "velocity"}),
+                "calls its samples velocities and gives gal, a unit of acceleration",
+            ),
             (
                 json!({"unit": "cm/s", "unit_stated": "cm/s", "quantity": "acceleration"}),
                 "calls its samples accelerations and gives cm/s, a unit of velocity",

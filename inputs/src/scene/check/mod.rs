@@ -3,6 +3,7 @@
 mod motion;
 mod output;
 mod process;
+mod process_fit;
 mod reader;
 mod soil;
 

@@ -9,6 +9,7 @@ use super::super::files;
 use super::super::types::{Band, Component, Motion, MotionKind, RecordFile, Synthetic, default_quantity};
 use super::super::wavelet::{Wavelet, WaveletKind};
 use super::process;
+use super::process_fit::{self, Known};
 use super::reader::{Bounds, Checker, Place, Section};
 
 /// Most samples of a wavelet: a day at 100 Hz.
@@ -47,6 +48,7 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
         Some(node) => band(cx, node, s.at("band")),
     };
     let process = process::list(cx, s);
+    let accept_clipped = cx.flag(s, "accept_clipped");
     former_keys(cx, s);
     let given = ["x", "y", "z"].map(|axis| s.get(axis).is_some());
     if given == [false; 3] {
@@ -60,6 +62,8 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     same_time_axis(cx, [&x, &y, &z]);
     if let Some(process) = &process {
         steps_without_record(cx, s, process, [&x, &y, &z]);
+        let components = [&x, &y, &z].map(|placed| placed.as_ref().map(|(component, _)| component));
+        process_fit::check(cx, s, process, &Known::new(quantity, given, components));
     }
     if let Some(band) = band {
         band_of_wavelets(cx, band, [&x, &y, &z], s.at("band"));
@@ -71,16 +75,19 @@ pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     });
     let complete = [&x, &y, &z].iter().zip(given).all(|(c, given)| c.is_some() == given);
     let place = s.at("kind");
-    let motion = match (kind, quantity, band, process) {
-        (Some(kind), Some(quantity), Some(band), Some(process)) if complete => Some(Motion {
-            kind,
-            quantity,
-            band,
-            process,
-            x: x.map(|c| c.0),
-            y: y.map(|c| c.0),
-            z: z.map(|c| c.0),
-        }),
+    let motion = match (kind, quantity, band, process, accept_clipped) {
+        (Some(kind), Some(quantity), Some(band), Some(process), Some(accept_clipped)) if complete => {
+            Some(Motion {
+                kind,
+                quantity,
+                band,
+                process,
+                accept_clipped,
+                x: x.map(|c| c.0),
+                y: y.map(|c| c.0),
+                z: z.map(|c| c.0),
+            })
+        }
         _ => None,
     };
     Read { motion, kind: kind.map(|k| (k, place)), given, synthetic }
@@ -132,10 +139,8 @@ fn steps_without_record(
         return;
     }
     for (i, step) in process.iter().enumerate().filter(|(_, step)| step.mends_an_instrument()) {
-        let place = s.at("process");
-        let place = Place { path: format!("{}[{}]", place.path, i + 1), ..place };
         let message = format!("`{}` acts on records, and this motion has wavelets only", step.word());
-        cx.warn(place, message, "take it out");
+        cx.warn(s.in_list("process", i + 1, ""), message, "take it out");
     }
 }
 

@@ -37,8 +37,51 @@ pub(super) fn list(cx: &mut Checker<'_>, motion: &mut Section<'_>) -> Option<Vec
     steps.into_iter().collect()
 }
 
-/// One step; every key of it is looked at, so that one mistake hides no other.
+/// One step; every key of it is looked at, so that one mistake hides no other, and each is told with what to do.
 pub(in super::super) fn step(cx: &mut Checker<'_>, table: &Table, place: Place) -> Option<Process> {
+    let in_scene = !place.path.is_empty();
+    let before = cx.found.len();
+    let process = read(cx, table, place);
+    let word = match table.get("step").map(|node| &node.value) {
+        Some(Value::String(word)) => word.as_str(),
+        _ => "",
+    };
+    for found in cx.found[before..].iter_mut().filter(|found| found.help.is_none()) {
+        found.help = Some(example(word, in_scene));
+    }
+    process
+}
+
+/// A step as it can be written, in a scene or on a command line.
+fn example(word: &str, in_scene: bool) -> String {
+    let keys: &[&str] = match word {
+        "demean" => &["first_seconds = 5.0"],
+        "detrend" | "baseline" => &["order = 1"],
+        "taper" => &["start = 1.0", "end = 2.0"],
+        "rotate" => &["angle = 30.0"],
+        "trim" => &["from = 5.0", "to = 40.0"],
+        "pad" => &["before = 5.0", "after = 10.0"],
+        "resample" => &["dt = 0.005"],
+        "scale" => &["pga = 2.0"],
+        "match" if in_scene => &["spectrum = { kind = \"rg160\", pga = 2.0, damping = 0.05 }"],
+        "match" => &["spectrum.kind = rg160", "spectrum.pga = 2.0", "spectrum.damping = 0.05"],
+        "rest" => &[],
+        "convert" if in_scene => &["to = \"acceleration\""],
+        "convert" => &["to = acceleration"],
+        _ => &["f_min = 0.1", "f_max = 25.0"],
+    };
+    let word = if Process::WORDS.contains(&word) { word } else { "filter" };
+    let parts: Vec<String> = match in_scene {
+        true => keys.iter().map(|key| format!(", {key}")).collect(),
+        false => keys.iter().map(|key| format!(" {}", key.replace(' ', ""))).collect(),
+    };
+    match in_scene {
+        true => format!("for instance {{ step = \"{word}\"{} }}", parts.concat()),
+        false => format!("for instance {word}{}", parts.concat()),
+    }
+}
+
+fn read(cx: &mut Checker<'_>, table: &Table, place: Place) -> Option<Process> {
     let mut section = Section::new(table, place);
     let s = &mut section;
     let Some(node) = s.get("step") else {
@@ -276,6 +319,11 @@ fn design_spectrum(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<De
             return None;
         }
     }
+    let before = cx.found.len();
+    spectrum_keys(cx, &mut section);
+    if cx.found.len() > before {
+        return None;
+    }
     // The codes' tables and their limits belong to the spectrum itself.
     let read = serde_json::from_value::<DesignSpectrum>(node.value.to_json())
         .map_err(|problem| problem.to_string())
@@ -286,8 +334,44 @@ fn design_spectrum(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<De
     match read {
         Ok(spectrum) => Some(spectrum),
         Err(problem) => {
-            cx.error(place, problem, "");
+            let (problem, help) = problem.split_once("\n  help: ").unwrap_or((&problem, ""));
+            cx.error(place, problem, help);
             None
         }
     }
+}
+
+/// The keys of a spectrum's kind: those that are missing, unknown ones, and numbers that cannot be.
+fn spectrum_keys(cx: &mut Checker<'_>, section: &mut Section<'_>) {
+    let acceleration = Bounds::positive("m/s²");
+    let damping = Bounds { below: Some(1.0), ..Bounds::positive("") };
+    let kind = match section.get("kind").map(|kind| &kind.value) {
+        Some(Value::String(kind)) => kind.as_str(),
+        _ => "",
+    };
+    let required: &[(&'static str, &str)] = match kind {
+        "rg160" => &[("pga", "give the peak horizontal ground acceleration in m/s², for instance pga = 2.0")],
+        "eurocode8" => &[
+            ("ag", "give the design ground acceleration in m/s², for instance ag = 1.5"),
+            ("type", "give the spectrum's type, 1 or 2"),
+            ("ground", "give the ground type, \"A\" to \"E\""),
+        ],
+        _ => &[
+            ("periods", "give the periods in s, for instance periods = [0.1, 0.5, 2.0]"),
+            ("psa", "give a pseudo-acceleration in m/s² for each period, for instance psa = [3.0, 2.5, 0.6]"),
+        ],
+    };
+    for (key, help) in required {
+        if section.get(key).is_none() {
+            cx.missing(section, key, help);
+        }
+    }
+    for key in ["pga", "ag"].into_iter().filter(|key| required.iter().any(|(known, _)| known == key)) {
+        cx.number(section, key, &acceleration);
+    }
+    cx.number(section, "damping", &damping);
+    if kind != "points" {
+        section.get("direction");
+    }
+    cx.finish(section);
 }

@@ -63,6 +63,22 @@ impl<'n> Section<'n> {
         Place { path: join(&self.place.path, key), at: self.table.get(key).map_or(self.place.at, |n| n.at) }
     }
 
+    /// Place of the entry `number` (from 1) of a list, or of a key in it where it is written there.
+    pub(super) fn in_list(&self, list: &str, number: usize, key: &str) -> Place {
+        let place = self.at(list);
+        let path = format!("{}[{number}]", place.path);
+        let Some(Value::List(entries)) = self.table.get(list).map(|node| &node.value) else {
+            return Place { path, ..place };
+        };
+        let Some(entry) = entries.get(number - 1) else { return Place { path, ..place } };
+        match &entry.value {
+            Value::Table(table) if table.get(key).is_some() => {
+                Place { path: join(&path, key), at: table.get(key).map_or(entry.at, |node| node.at) }
+            }
+            _ => Place { path, at: entry.at },
+        }
+    }
+
     /// Of two keys the one that was written last; an override is later than the file.
     pub(super) fn later<'k>(&self, a: &'k str, b: &'k str) -> &'k str {
         let rank = |key: &str| match self.at(key).at {
