@@ -109,6 +109,9 @@ pub(super) struct RecordArguments {
     /// Four rising corners in Hz within which the full response is taken off, for instance 0.02,0.05,40,48.
     #[arg(long, value_name = "F1,F2,F3,F4", requires = "metadata", value_parser = corners)]
     pub(super) pre_filter: Option<[f64; 4]>,
+    /// Let a channel pass that looks clipped, where the plateau is meant.
+    #[arg(long)]
+    pub(super) accept_clipped: bool,
     /// A step of processing, for instance 'filter f_min=0.1 f_max=25'; repeatable, done in order; `none` for no step at all [default: demean].
     #[arg(long, value_name = "STEP")]
     pub(super) process: Vec<String>,

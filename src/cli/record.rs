@@ -27,7 +27,7 @@ impl From<OutputError> for Failure {
 
 pub(super) fn record(a: &RecordArguments, json: bool) -> Result<Exit, Failure> {
     end_on_signals(json);
-    let options = ReadOptions::default();
+    let options = ReadOptions { accept_clipped: a.accept_clipped, ..ReadOptions::default() };
     let mut looked = match &a.from {
         Some(from) => Looked { recordings: vec![replay(from, &options)?], refused: vec![] },
         None => look(&sources(a)?, &process(&a.process)?, &options)?,
