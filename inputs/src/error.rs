@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::motion::Quantity;
-use crate::number::{nine, plain};
+use crate::number::{brief, nine, plain};
 
 /// Everything that can be wrong with a record, a motion or the reader behind them.
 ///
@@ -320,16 +320,20 @@ pub enum InputError {
         expected: Quantity,
     },
 
-    /// The file does not say its time step.
-    #[error("{} {channel}: no time step: the file holds values without times\n  help: give the step in s with --dt or `dt`", path.display())]
+    /// The file does not say its time step, or not for sure.
+    #[error("{} {channel}: {}\n  help: give the step in s with {}", path.display(), no_step(doubt.as_deref()), step_options(*fits))]
     StepMissing {
         /// The file.
         path: PathBuf,
         /// The channel.
         channel: String,
+        /// The step that was found and why it is doubted; none where there is no word of one.
+        doubt: Option<String>,
+        /// The step that the file's times fit, s, where they are too coarse to show it.
+        fits: Option<f64>,
     },
     /// A time step that no accelerograph has.
-    #[error("{} {channel}: the file's time step is read as {dt} s, which no accelerograph has ({low:e} to {high} s)\n  help: see whether the header is in ms or kHz; if the step is meant, confirm it with --dt {dt} (dt = {dt} in a scene)", path.display())]
+    #[error("{} {channel}: the file's time step is read as {} s, which no accelerograph has ({low:e} to {high} s)\n  help: see whether the header is in ms or kHz; if the step is meant, confirm it with {}", path.display(), brief(*dt), step_options(Some(*dt)))]
     StepImplausible {
         /// The file.
         path: PathBuf,
@@ -343,7 +347,7 @@ pub enum InputError {
         high: f64,
     },
     /// The file says one time step and the user another.
-    #[error("{} {channel}: dt = {} s was given, but the file states {} s\n  help: take --dt or `dt` out; it is for files that state no step", path.display(), plain(*given), plain(*stated))]
+    #[error("{} {channel}: dt = {} s was given, but the file states {} s\n  help: take --dt or `dt` out; it is for files that state no step", path.display(), plain(*given), brief(*stated))]
     StepContradicts {
         /// The file.
         path: PathBuf,
@@ -539,6 +543,19 @@ pub enum InputError {
         /// What to do.
         remedy: String,
     },
+}
+
+/// What is said of a step that is missing or doubted.
+fn no_step(doubt: Option<&str>) -> String {
+    match doubt {
+        Some(doubt) => format!("no sure time step: {doubt}"),
+        None => "no time step: the file holds values without times".into(),
+    }
+}
+
+/// How a step is given, with its value where that is known.
+fn step_options(dt: Option<f64>) -> String {
+    dt.map(brief).map_or_else(|| "--dt or `dt`".into(), |dt| format!("--dt {dt} (dt = {dt} in a scene)"))
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ mod python;
 
 use std::path::{Path, PathBuf};
 
-use hati_inputs::InputError;
 use hati_inputs::motion::Quantity;
-use hati_inputs::records::{Channel, ReadOptions, Source, read_each};
+use hati_inputs::records::{ReadOptions, Source, read_each};
+use python::refusal;
 
 /// Writes 400 rows at 100 Hz under a header. In the template `t` is the time in s, `m` in ms, `i` the number
 /// of the row from 1, and `a`, `b`, `c` are values of the motion; the rest stands as it is.
@@ -47,15 +47,6 @@ fn expected(i: usize) -> f64 {
 
 fn acceleration() -> ReadOptions {
     ReadOptions { quantity: Some(Quantity::Acceleration), ..ReadOptions::default() }
-}
-
-/// The text of a refusal.
-#[track_caller]
-fn refusal(name: &str, answer: Result<Vec<Channel>, InputError>) -> String {
-    match answer {
-        Err(error) => error.to_string(),
-        Ok(channels) => panic!("{name} was read: {} channel(s)", channels.len()),
-    }
 }
 
 /// Files of a header and rows, each with the words of its refusal; one call of Python for all.
@@ -207,7 +198,7 @@ fn a_row_of_units_is_read_column_by_column() {
 #[test]
 fn a_step_needs_a_known_unit() {
     let comma = "the comma may be the decimal sign";
-    let given = "no time step";
+    let given = "no time step: the file holds values without times";
     assert_refused(
         "steps",
         &[
@@ -227,11 +218,15 @@ fn a_step_needs_a_known_unit() {
             ("Unit: gal; FS = 25 Hz lowpass; dt=0.01", "a", "a step of 0.01 s here and of 0.04 s in line 1"),
             ("Unit: gal\nSensor spacing: 2 m", "a", given),
             ("Unit: gal\nFreq 100 Hz, corner 0.1-25 Hz", "a", given),
-            ("Unit: gal; dt = 5", "a", given),
-            ("Unit: gal; dt = 0.00001", "a", given),
-            ("UNITS OF G\nNPTS= 400, DT= 5.0", "a", given),
+            (
+                "Unit: gal; dt = 5",
+                "a",
+                "no sure time step: line 1 states a step of 5 s, outside 0.0001 to 0.5 s: it may be in another unit",
+            ),
+            ("Unit: gal; dt = 0.00001", "a", "line 1 states a step of 1e-05 s, outside"),
+            ("UNITS OF G\nNPTS= 400, DT= 5.0", "a", "line 2 states DT = 5 s, outside"),
             // Probably ms, but nothing says so.
-            ("t a (m/s2)", "m a", given),
+            ("t a (m/s2)", "m a", "the times, without a unit, have a step of 10 s, outside"),
         ],
     );
     assert_read(
@@ -262,6 +257,33 @@ fn a_doubtful_step_is_taken_when_given() {
     let source = Source { dt: Some(0.005), ..Source::new(path) };
     let channels = read_each(&[source], &acceleration()).unwrap().remove(0).unwrap();
     assert_eq!(channels[0].dt, 0.005);
+}
+
+/// 200 Hz with two decimals: times that stand twice do not show their step, which can be given if it fits them.
+#[test]
+fn times_too_coarse_for_their_step() {
+    if !python::has_obspy() {
+        return;
+    }
+    let rows: String =
+        (0..800).map(|i| format!("{:.2},{:.5}\n", 0.005 * i as f64, expected(i + 300))).collect();
+    let path = put("coarse.csv", &format!("time (s),acc (m/s2)\n{rows}"));
+    let agreeing = put("coarse_stated.csv", &format!("dt = 0.005 s\ntime (s),acc (m/s2)\n{rows}"));
+    let given = |dt| Source { dt, ..Source::new(&path) };
+    let sources = [given(None), given(Some(0.005)), given(Some(0.01)), Source::new(agreeing)];
+    let answers: [_; 4] = read_each(&sources, &acceleration()).unwrap().try_into().unwrap();
+    let [unknown, sound, wrong, agreeing] = answers;
+    let error = refusal("unknown", unknown);
+    for words in
+        ["line 4: time 0.01 stands a second time", "rounded", "step of 0.005 s", "--dt 0.005 (dt = 0.005 in"]
+    {
+        assert!(error.contains(words), "no {words} in {error}");
+    }
+    let error = refusal("wrong", wrong);
+    assert!(error.contains("not the 0.01 s that were given") && error.contains("--dt 0.005"), "{error}");
+    for channels in [sound.unwrap(), agreeing.unwrap()] {
+        assert_eq!((channels[0].dt, channels[0].samples.len()), (0.005, 800));
+    }
 }
 
 #[test]
@@ -340,7 +362,7 @@ fn a_wrong_time_is_not_absorbed_into_the_step() {
         return;
     }
     type Case<'a> = (&'a str, usize, &'a dyn Fn(usize) -> String, Result<f64, &'a str>);
-    let cases: [Case; 7] = [
+    let cases: [Case; 8] = [
         (
             "twice",
             500,
@@ -360,7 +382,18 @@ fn a_wrong_time_is_not_absorbed_into_the_step() {
             Err("line 8: the time step changes"),
         ),
         ("last", 500, &|i| format!("{:.3}", 0.01 * i as f64 + 0.001 * f64::from(i == 499)), Ok(0.01)),
-        ("coarse", 500, &|i| format!("{:.2}", (i / 2) as f64 * 0.01), Err("line 3: time stands still")),
+        (
+            "coarse",
+            500,
+            &|i| format!("{:.2}", (i / 2) as f64 * 0.01),
+            Err("line 3: time 0.00 stands a second time"),
+        ),
+        (
+            "coarse_lost",
+            500,
+            &|i| format!("{:.2}", 0.005 * (i + 9 * usize::from(i > 200)) as f64),
+            Err("time stands still"),
+        ),
         (
             "falling",
             500,

@@ -12,6 +12,7 @@ use std::sync::OnceLock;
 use hati_inputs::InputError;
 use hati_inputs::motion::Quantity;
 use hati_inputs::records::{Channel, ReadOptions, Source, Unit, read, read_each};
+use python::refusal;
 
 /// The fixtures of `make_fixtures_text.py`, with readers that are those of the source tree.
 fn fixtures() -> Option<&'static Path> {
@@ -34,15 +35,6 @@ fn readers(setup: &str) -> String {
         Command::new(python::interpreter()).args(["-I", "-c", &format!("{setup}\n{code}")]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
-}
-
-/// The text of a refusal.
-#[track_caller]
-fn refusal(name: &str, answer: Result<Vec<Channel>, InputError>) -> String {
-    match answer {
-        Err(error) => error.to_string(),
-        Ok(channels) => panic!("{name} was read: {} channel(s)", channels.len()),
-    }
 }
 
 /// The motion that the sound fixtures hold, m/s².

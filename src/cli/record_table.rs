@@ -65,6 +65,12 @@ fn heading(summary: &Value) -> String {
     for (file, format) in files {
         let _ = writeln!(text, "{}", shortened(&format!("  {file}"), &format!(" ({format})")));
     }
+    let stated =
+        |c: &Value| Some(format!("{} {}°", c["axis"].as_str()?, shortest(c["azimuth_deg"].as_f64()?)));
+    let azimuths: Vec<String> = channels.iter().filter_map(stated).collect();
+    if !azimuths.is_empty() {
+        let _ = writeln!(text, "  azimuth in the file: {}", azimuths.join(", "));
+    }
     let steps = summary["motion"]["process"].as_array().map_or(&[][..], Vec::as_slice);
     let steps: Vec<String> = steps.iter().map(words).collect();
     let steps = if steps.is_empty() { "nothing done".to_owned() } else { steps.join(", ") };

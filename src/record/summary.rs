@@ -64,7 +64,7 @@ fn channel(axis: usize, c: &Channel) -> Value {
         "axis": AXES[axis].to_string(), "id": c.id, "file": c.file.display().to_string(), "format": c.format,
         "start": c.start.map(iso8601), "dt": c.dt, "npts": c.samples.len(),
         "quantity": c.quantity.to_string(), "unit": c.quantity.si_unit(), "unit_stored": c.unit_stored,
-        "mean_as_read": mean,
+        "azimuth_deg": c.azimuth(), "mean_as_read": mean,
         "unit_given_by": unit("given_by"), "factor_to_si": unit("factor_to_si"), "peak_as_read": peak,
         "sha256": c.sha256, "reading": c.steps,
     })

@@ -32,6 +32,8 @@ pub(super) struct TraceMeasures {
     /// Times of 5, 75 and 95 % of the Arias intensity from the first sample, s, where they are known better than
     /// by the curve's own straight lines.
     pub(super) times: Option<[f64; 3]>,
+    /// Peak acceleration (m/s²), velocity (m/s) and displacement (m), where they are known better than by the samples.
+    pub(super) peaks: Option<[f64; 3]>,
     /// Cumulative Arias intensity, 0 to 1.
     pub(super) husid: Vec<f64>,
     /// Frequencies of the Fourier spectrum, Hz.
@@ -103,6 +105,7 @@ fn of_trace(trace: &Trace, dt: f64, periods: &[f64]) -> TraceMeasures {
         sd: spectrum.sd,
         arias_intensity: arias_intensity(a, dt),
         times: None,
+        peaks: None,
         husid: measures::husid(a, dt),
         frequency,
         amplitude,

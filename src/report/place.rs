@@ -21,11 +21,11 @@ pub(super) const COLUMN: Stroke = Stroke::solid("#27323d", 1.7);
 /// Layer boundaries and other auxiliary lines.
 pub(super) const AUXILIARY: Stroke = Stroke::solid("#7b8794", 1.0).dashed("3 3");
 
-/// The components x, y, z of a recording.
+/// The components x, y, z of a recording; their dashes are those of no other curve in a figure with them.
 pub(super) const COMPONENTS: [Stroke; 3] = [
     Stroke::solid("#c8452b", 1.7),
-    Stroke::solid("#1d5fa8", 1.4),
-    Stroke::solid("#2a8c6f", 1.5).dashed("6 2.5"),
+    Stroke::solid("#1d5fa8", 1.5).dashed("10 2.5 2 2.5"),
+    Stroke::solid("#2a8c6f", 1.5).dashed("4 2.5"),
 ];
 
 /// Most traces in one figure.

@@ -128,6 +128,19 @@ fn numbers_beside_the_figures_agree() {
             let limit = if matches!(key, "pgv" | "pgd") { 5e-3 } else { 1e-6 };
             assert!((found / told - 1.0).abs() < limit, "{axis} {key}: {found} and {told}");
         }
+        // The label of each history has the digits of the table.
+        let page = read(&run.join("report.html"));
+        for (name, key) in [("acceleration", "pga"), ("velocity", "pgv"), ("displacement", "pgd")] {
+            let svg = read(&run.join(format!("figures/{name}.svg")));
+            let labels: Vec<&str> =
+                svg.split("peak ").skip(1).filter_map(|text| text.split(' ').next()).collect();
+            let label = labels[["x", "y", "z"].iter().position(|a| *a == axis).expect("an axis")];
+            assert!(
+                (label.parse::<f64>().expect("a number") / measure(key) - 1.0).abs() < 5e-4,
+                "{axis} {key}"
+            );
+            assert!(page.contains(&format!("<td>{label}</td>")), "{axis} {key}: no {label} in the table");
+        }
         assert!(
             (figure("husid", &format!("{axis}_husid")).last().copied().unwrap_or(0.0) - 1.0).abs() < 1e-9
         );

@@ -46,6 +46,11 @@ fn files_without_a_start_are_one_recording_only_where_nothing_speaks_against_it(
     let one = look(python, cwd, &["a090.AT2", "a180.AT2"]);
     assert_eq!(one.len(), 1, "{one:?}");
     assert!(one[0].0 == 2 && one[0].1.contains("taken to begin together"), "{one:?}");
+    let answer = hati_with(python, cwd, &["record", "a090.AT2", "a180.AT2", "--out", "r"]).exits(0);
+    assert!(answer.stdout.contains("  azimuth in the file: x 90°, y 0°\n"), "{}", answer.stdout);
+    assert_eq!(read_json(cwd.join("r/record.json"))["channels"][0]["azimuth_deg"], 90.0);
+    let page = std::fs::read_to_string(cwd.join("r/report.html")).expect("a page");
+    assert!(page.contains("<dt>azimuth in the file</dt><dd>90° clockwise from north</dd>"));
     for (other, why) in [
         ("b000.AT2", "the files name different events"),
         ("short.AT2", "1000 samples stand against 900"),

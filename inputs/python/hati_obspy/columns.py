@@ -14,7 +14,7 @@ from . import names as naming
 from . import numbers, stated, text, units, words
 from .problem import RecordProblem, shown
 from .series import Series, check_step, stream
-from .steps import time_step
+from .steps import hidden_step, time_step
 
 NAME = "COLUMNS"
 
@@ -265,17 +265,30 @@ def _series(names, rows, widths, place, facts):
             "rows of a time and %d numbers without column names: %d series, or one series in rows that begin with their time"
             % (width - first, width - first), _NAME_THEM % "time NS EW UD H1 H2", place(0))
     names = names or [""] * width
-    dt = None
+    dt, hidden = None, {}
     if timed:
-        tokens = [row.split(None, first)[first - 1] for row in rows]
-        dt = _in_seconds(time_step(tokens, table[:, first - 1], place), names[first - 1], facts)
-    dt = _agreed(dt, facts, place, timed == "stated")
+        tokens, times = [row.split(None, first)[first - 1] for row in rows], table[:, first - 1]
+        seconds = lambda step: _in_seconds(step, names[first - 1], facts)
+        found = hidden_step(tokens, times)
+        if found:
+            step, slack, row = found
+            hidden = {"step_fits": seconds(step), "step_slack": seconds(slack), "step_doubt": (
+                "line %d: time %s stands a second time: the times are rounded; they fit a step of %.6g s"
+                % (place(row), tokens[row], seconds(step)))}
+        dt = hidden["step_fits"] if hidden else seconds(time_step(tokens, times, place))
+    dt, doubt = _agreed(dt, facts, place, timed == "stated")
+    if hidden and "dt" not in facts:
+        dt = None
+    elif doubt:
+        hidden = {"step_doubt": doubt}
+    else:
+        hidden = {}
     if width == first:
         raise RecordProblem("only a column of times", None, place(0))
     found = []
     for i in range(first, width):
         _refuse_times(table[:, i], "column %d%s" % (i + 1, " (%s)" % shown(names[i]) if names[i] else ""), place)
-        found.append(_column(table[:, i], names[i], facts, dt))
+        found.append(_column(table[:, i], names[i], facts, dt, hidden))
     _check_count(facts, len(rows))
     return found
 
@@ -322,19 +335,21 @@ def _in_seconds(step, name, facts):
 def _agreed(dt, facts, place, sure):
     """The step of the times, which the header must not contradict; else that of the header.
 
-    None where it is so long or short that its unit may be another, unless the unit is stated (`sure`) or
-    both agree: then the step must be given.
+    None, with the reason, where it is so long or short that its unit may be another, unless the unit is stated
+    (`sure`) or both agree: then the step must be given.
     """
     if "dt" not in facts:
         dt = dt if dt is None else check_step(dt, place(0))
-        return None if not sure and stated.doubtful(dt) else dt
+        doubt = "" if sure else stated.doubt(dt, "the times, without a unit, have a step of")
+        return None if doubt else dt, doubt
     said, line = facts["dt"]
     if dt is None:
-        return None if stated.doubtful(said) else said
+        doubt = stated.doubt(said, "line %d states a step of" % line)
+        return None if doubt else said, doubt
     if abs(dt - said) > 0.005 * said:
         raise RecordProblem("the header says a step of %g s, the column of times has %g s" % (said, dt),
                             "correct the header", line)
-    return dt
+    return dt, ""
 
 
 def _check_count(facts, count):
@@ -347,14 +362,15 @@ def _check_count(facts, count):
 def _single(values, names, facts, place, wrapped):
     _check_count(facts, len(values))
     _refuse_times(values, "the only column" if not wrapped else "the one series of these rows", place)
-    series = _column(values, (names or [""])[0] if not wrapped else "", facts, _agreed(None, facts, place, False))
+    dt, doubt = _agreed(None, facts, place, False)
+    series = _column(values, (names or [""])[0] if not wrapped else "", facts, dt, {"step_doubt": doubt} if doubt else {})
     if wrapped:
         series.header["layout"] = "one series in wrapped rows"
     return series
 
 
-def _column(data, name, facts, dt):
-    """One series with what its name and the header tell."""
+def _column(data, name, facts, dt, doubt):
+    """One series with what its name and the header tell; `doubt` goes into its header."""
     unit, said = naming.unit(name)
     problem = ""
     if not said:
@@ -363,7 +379,7 @@ def _column(data, name, facts, dt):
     label = naming.direction(bare, unit)
     series = Series(np.ascontiguousarray(data), dt, naming.quantity(bare) or facts["quantity"], unit, said,
                     channel=words.code(label or bare) or "CH")
-    series.header = {**words.direction(label)}
+    series.header = {**words.direction(label), **doubt}
     if problem:
         series.header["unit_problem"] = problem
     if name.strip():

@@ -96,10 +96,13 @@ def read(content):
     quantity = words.quantity(names) or words.quantity(others)
     data = _samples(block, first + 1, npts, dt, at + 1)
     # So long or short a step may be in another unit: it must be given.
-    series = Series(data, None if stated.doubtful(dt) else dt, quantity, unit.unit, unit.word, station=station,
+    doubt = stated.doubt(dt, "line %d states DT =" % (at + 1))
+    series = Series(data, None if doubt else dt, quantity, unit.unit, unit.word, station=station,
                     channel=words.channel_code(keys, component) or quantity[:3].upper() or "CH")
     # The second line names the event, which tells the records of one station apart.
     series.header = {"npts_stated": npts, "title": " / ".join(line.strip() for line in header[:2])[:200], **keys}
+    if doubt:
+        series.header["step_doubt"] = doubt
     if unit.problem:
         series.header["unit_problem"] = unit.problem
     return stream([series], NAME)

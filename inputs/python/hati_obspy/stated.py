@@ -43,9 +43,11 @@ def without_facts(line):
     return _COUNT.sub(" ", _KEY.sub(" ", line))
 
 
-def doubtful(dt):
-    """Whether a step is so long or so short that its unit may be another."""
-    return dt is not None and not SHORTEST * (1.0 - 1e-9) <= dt <= LONGEST * (1.0 + 1e-9)
+def doubt(dt, who):
+    """Why a step that `who` states needs a second word: so long or so short, its unit may be another. Else ""."""
+    if dt is None or SHORTEST * (1.0 - 1e-9) <= dt <= LONGEST * (1.0 + 1e-9):
+        return ""
+    return "%s %.6g s, outside %g to %g s: it may be in another unit" % (who, dt, SHORTEST, LONGEST)
 
 
 def step(header):

@@ -87,6 +87,23 @@ def time_step(tokens, times, line_number):
     _refuse(times, unit, line_number)
 
 
+def hidden_step(tokens, times):
+    """The round step that times hide which are rounded so far that some stand twice, as those of 200 Hz with
+    two decimals: (step, how far another may be from it, the second of the first two equal rows), or None.
+    """
+    count, steps = len(times), np.diff(times)
+    if count < 3 or not times[-1] > times[0] or (steps < 0.0).any() or not (steps == 0.0).any():
+        return None
+    # Zeros at the end may be left out: all are rounded alike.
+    unit = _unit_of_last_digit(tokens).min()
+    half = 0.5 * unit * (1.0 + 1e-9) + 8.0 * np.finfo(float).eps * np.abs(times).max()
+    for step in _round((times[-1] - times[0]) / (count - 1)):
+        # At steps near a digit a row that stands twice is a fault.
+        if step <= 0.75 * unit and _reproduced(times, step, half):
+            return step, 2.0 * unit / (count - 1), int(np.argmax(steps == 0.0)) + 1
+    return None
+
+
 def _usual_step(times, unit):
     """The step that all but three or fewer rows have, where some differ; else None.
 

@@ -70,7 +70,7 @@ fn of_channels() -> Vec<InputError> {
         UnitUnknown { found: word(), choices: word() },
         PeakImplausible { path: path(), channel: word(), unit: word(), quantity, peak: value, si, low, high },
         QuantityMismatch { path: path(), channel: word(), found: Quantity::Velocity, expected: quantity },
-        StepMissing { path: path(), channel: word() },
+        StepMissing { path: path(), channel: word(), doubt: Some(word()), fits: Some(0.005) },
         StepImplausible { path: path(), channel: word(), dt: 9.0, low, high },
         StepContradicts { path: path(), channel: word(), stated: 0.01, given: 0.02 },
     ]
@@ -112,4 +112,24 @@ fn every_refusal_ends_with_a_help_in_plain_numbers() {
         assert!(!text.split_whitespace().any(|word| word.len() > 60), "a number of many digits: {text}");
         assert!(!text.contains("999968.8200000001"), "{text}");
     }
+}
+
+#[test]
+fn steps_are_told_in_the_digits_that_confirm_them() {
+    let (path, channel) = (PathBuf::from("r.sac"), String::from("..A"));
+    let dt = f64::from(0.6_f32);
+    let text = InputError::StepImplausible {
+        path: path.clone(),
+        channel: channel.clone(),
+        dt,
+        low: 1e-4,
+        high: 0.5,
+    };
+    let text = text.to_string();
+    assert!(text.contains("is read as 0.6 s") && text.contains("--dt 0.6 (dt = 0.6 in a scene)"), "{text}");
+    let text = InputError::StepMissing { path, channel, doubt: None, fits: None }.to_string();
+    assert!(
+        text.contains("no time step: the file holds values without times\n  help: give the step"),
+        "{text}"
+    );
 }

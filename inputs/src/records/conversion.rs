@@ -14,8 +14,17 @@ use crate::motion::{Quantity, Step, gravity};
 const PLAUSIBLE_STEP: (f64, f64) = (1e-4, 0.5);
 
 /// What a header may say of its samples that a user should see beside them.
-const FACTS: [&str; 8] =
-    ["title", "corrected", "filter", "left_out", "sense", "azimuth_deg", "peak_stated", "npts_stated"];
+const FACTS: [&str; 9] = [
+    "title",
+    "corrected",
+    "filter",
+    "left_out",
+    "sense",
+    "azimuth_deg",
+    "peak_stated",
+    "npts_stated",
+    "step_doubt",
+];
 
 /// The unit of a vertical channel that counts downwards, turned so that z is up.
 fn upward(mut unit: StoredUnit, whole: &Segment) -> StoredUnit {
@@ -98,16 +107,32 @@ impl Origin<'_> {
                     return Err(InputError::StepImplausible { path, channel, dt: whole.dt, low, high });
                 }
             }
-            None => return Err(InputError::StepMissing { path, channel }),
+            None => return Err(self.step_missing(whole, None)),
             Some(given) if !(given.is_finite() && given > 0.0) => {
                 return Err(InputError::BadStep { path, channel, dt: given });
             }
             Some(given) if stated && (given - whole.dt).abs() > 1e-6 * whole.dt => {
                 return Err(InputError::StepContradicts { path, channel, stated: whole.dt, given });
             }
+            // Coarse times do not show a step, but not every step fits them.
+            Some(given)
+                if (whole.number("step_fits").zip(whole.number("step_slack")))
+                    .is_some_and(|(fits, slack)| (given - fits).abs() > slack) =>
+            {
+                return Err(self.step_missing(whole, Some(given)));
+            }
             Some(given) => whole.dt = given,
         }
         Ok(())
+    }
+
+    fn step_missing(&self, whole: &Segment, given: Option<f64>) -> InputError {
+        let doubt = whole.text("step_doubt").map(|doubt| match given {
+            Some(given) => format!("{doubt}, not the {given} s that were given"),
+            None => doubt.to_owned(),
+        });
+        let (path, channel) = (self.file.source.location.clone(), whole.id.clone());
+        InputError::StepMissing { path, channel, doubt, fits: whole.number("step_fits") }
     }
 
     /// Ground motion in SI and the account of how it came about, where a response was to be removed.

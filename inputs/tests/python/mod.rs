@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
+use hati_inputs::InputError;
+use hati_inputs::records::Channel;
+
 /// The interpreter of the workspace, found as the library does.
 pub fn interpreter() -> PathBuf {
     if let Some(python) = std::env::var_os("HATI_PYTHON").filter(|value| !value.is_empty()) {
@@ -104,4 +107,13 @@ pub fn unpickle(path: &Path) {
 /// A line for whoever reads the test's output, past the capture of the test harness.
 pub fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// The text of a refusal.
+#[track_caller]
+pub fn refusal(name: &str, answer: Result<Vec<Channel>, InputError>) -> String {
+    match answer {
+        Err(error) => error.to_string(),
+        Ok(channels) => panic!("{name} was read: {} channel(s)", channels.len()),
+    }
 }

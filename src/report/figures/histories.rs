@@ -104,7 +104,7 @@ pub(in super::super) fn histories(
         let values = motion.of(drawn.trace);
         let points = values.iter().enumerate().map(|(i, v)| (traces.time(i), *v));
         panel.line(&mut figure, points, drawn.stroke.wide(1.1).dashed(""));
-        mark_peak(&mut figure, &panel, traces, values, motion, drawn.stroke.colour);
+        mark_peak(&mut figure, &panel, traces, drawn, motion);
         let name = match drawn.trace.depth {
             Some(depth) if depth != 0.0 => {
                 format!("{}, {} m deep", words(&drawn.trace.place), significant(depth, 4))
@@ -131,22 +131,18 @@ pub(in super::super) fn histories(
     Some(Plate { figure, csv: table.to_csv(), caption })
 }
 
-fn mark_peak(
-    figure: &mut Figure,
-    panel: &Panel,
-    traces: &Traces<'_>,
-    values: &[f64],
-    motion: Motion,
-    colour: &'static str,
-) {
-    let Some((index, value)) = peak_at(values) else {
+fn mark_peak(figure: &mut Figure, panel: &Panel, traces: &Traces<'_>, drawn: &Drawn<'_>, motion: Motion) {
+    let Some((index, value)) = peak_at(motion.of(drawn.trace)) else {
         return;
     };
     let time = traces.time(index);
-    figure.dot(panel.px(time), panel.py(value), 4.0, colour);
-    let amount = significant(value.abs(), 3);
+    figure.dot(panel.px(time), panel.py(value), 4.0, drawn.stroke.colour);
+    // A table of measures beside the figure has the same number.
+    let known = traces.measures.get(drawn.index).and_then(|m| m.peaks);
+    let (peak, digits) = known.map_or((value.abs(), 3), |peaks| (peaks[motion as usize], 4));
+    let amount = significant(peak, digits);
     let label = if motion == Motion::Acceleration {
-        let in_g = significant(value.abs() / GRAVITY, 3);
+        let in_g = significant(peak / GRAVITY, 3);
         format!("peak {amount} m/s² = {in_g} g at {} s", significant(time, 4))
     } else {
         format!("peak {amount} {} at {} s", motion.unit(), significant(time, 4))

@@ -11,7 +11,7 @@ use super::{has_spectra, target};
 use crate::record::Matched;
 
 const ROTD50: Stroke = Stroke::solid("#27323d", 2.4);
-const ROTD100: Stroke = Stroke::solid("#27323d", 1.5).dashed("7 3");
+const ROTD100: Stroke = Stroke::solid("#27323d", 1.5).dashed("13 4");
 const RATIO: Stroke = Stroke::solid("#27323d", 1.8);
 const PSA: Rect = Rect { x: 78.0, y: 60.0, width: WIDTH - 78.0 - 78.0, height: 330.0 };
 const SMALL: f64 = 250.0;
@@ -197,4 +197,22 @@ pub(super) fn cumulative_absolute_velocity(group: &Traces<'_>) -> Option<Plate> 
     figure.legend(at.x + at.width, &legend(&group.drawn));
     panel.close(&mut figure);
     Some(Plate { figure, csv: table.to_csv(), caption: "CAV = ∫|a| dt up to each time.".to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::place::COMPONENTS;
+    use super::*;
+
+    /// What one figure may hold side by side differs without its colours, by dash or clearly by width.
+    #[test]
+    fn curves_differ_in_grey() {
+        let [x, y, z] = COMPONENTS;
+        let curves = [x, y, z, ROTD50, ROTD100, target::TARGET];
+        for (number, a) in curves.iter().enumerate() {
+            for b in &curves[number + 1..] {
+                assert!(a.dash != b.dash || (a.width - b.width).abs() >= 0.6, "{a:?} and {b:?}");
+            }
+        }
+    }
 }

@@ -53,6 +53,7 @@ pub(crate) fn write_record_report(
     for (spectra, c) in spectra.iter_mut().zip(&measured.components) {
         let m = &c.measures;
         spectra.times = Some([m.t5, m.t5 + m.d5_75, m.t5 + m.d5_95]);
+        spectra.peaks = Some([m.pga, m.pgv, m.pgd]);
     }
     let group = Traces {
         subject: format!("of {}", recording.name),
@@ -110,6 +111,9 @@ fn entries(group: &Traces<'_>, measured: &Measured, matched: Option<&Matched>) -
         // Brought to rest, the motion has one history, which is the one from rest.
         let behind = (!measured.from_rest).then(|| behind(&values));
         let mut plate = super::figures::histories(group, motion, behind.as_ref());
+        if let Some(plate) = &mut plate {
+            plate.caption.push_str(" The labels tell the peak, which may lie between two samples.");
+        }
         if let (Some(plate), true) = (&mut plate, measured.from_rest) {
             plate
                 .caption

@@ -84,7 +84,7 @@ fn cards(measured: &Measured) -> String {
             AXES[c.trace.axis],
             with_unit(Some(c.measures.pga / GRAVITY), 3, "g"),
             with_unit(Some(c.measures.pga), 4, "m/s²"),
-            with_unit(Some(c.measures.pgv), 3, "m/s"),
+            with_unit(Some(c.measures.pgv), 4, "m/s"),
         );
     }
     html.push_str("</section>");
@@ -147,6 +147,9 @@ fn found(recording: &Recording, summary: &Value) -> String {
         fact("step", duration(number(value, &["dt"])));
         let samples = number(value, &["npts"]).zip(number(value, &["dt"])).map(|(n, dt)| n * dt);
         fact("length", format!("{} samples, {}", text(value, &["npts"]), duration(samples)));
+        if let Some(azimuth) = number(value, &["azimuth_deg"]) {
+            fact("azimuth in the file", format!("{}° clockwise from north", significant(azimuth, 4)));
+        }
         fact("stored in", format!("<b>{}</b>", text(value, &["unit_stored"])));
         fact("unit decided by", decided(value));
         if let Some(factor) = number(value, &["factor_to_si"]) {
