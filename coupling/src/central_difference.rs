@@ -14,10 +14,14 @@
 //! so the dashpot does not act at the limit).
 
 use num_complex::Complex64;
+use std::ops::{Add, Mul};
 
 /// Position after half a step: $u + \tfrac{\Delta t}{2} v$.
+///
+/// With the whole step in place of the half it takes a position from kick to kick: two drifts at one
+/// velocity are one.
 #[inline(always)]
-pub fn drift(u: f64, v: f64, half_dt: f64) -> f64 {
+pub fn drift<T: Copy + Add<Output = T> + Mul<Output = T>>(u: T, v: T, half_dt: T) -> T {
     u + half_dt * v
 }
 
@@ -25,7 +29,7 @@ pub fn drift(u: f64, v: f64, half_dt: f64) -> f64 {
 ///
 /// `dt_over_mass` is $\Delta t/m$; `force` is external minus internal, at the drifted position.
 #[inline(always)]
-pub fn kick(v: f64, force: f64, dt_over_mass: f64) -> f64 {
+pub fn kick<T: Copy + Add<Output = T> + Mul<Output = T>>(v: T, force: T, dt_over_mass: T) -> T {
     v + dt_over_mass * force
 }
 

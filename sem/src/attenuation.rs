@@ -120,6 +120,74 @@ impl MaxwellArms {
         let (omega, modulus) = arms.into_iter().unzip();
         Ok(Self { relaxed: scale * p[0].exp(), omega, modulus })
     }
+
+    /// Fits the moduli of arms at given relaxation frequencies (rad/s) to the constant-D law over `band`.
+    ///
+    /// The complex error relative to 2D is weighted least squares (Lawson's weights towards its largest
+    /// value) in the moduli alone, a linear problem; a modulus that would turn negative is left out.
+    pub fn fit_at(
+        damping: f64,
+        reference_frequency: f64,
+        band: (f64, f64),
+        omega: &[f64],
+    ) -> Result<Self, SemError> {
+        if damping == 0.0 {
+            return Ok(Self { relaxed: 1.0, omega: omega.to_vec(), modulus: vec![0.0; omega.len()] });
+        }
+        let (f_min, f_max) = band;
+        let failed = || SemError::Fit { mechanisms: omega.len(), damping, f_min, f_max };
+        let points = 24 + 12 * omega.len();
+        let s: Vec<Complex64> = (0..points)
+            .map(|i| {
+                let x = 0.5 * (1.0 - (PI * i as f64 / (points - 1) as f64).cos());
+                Complex64::new(0.0, 2.0 * PI * f_min * (f_max / f_min).powf(x))
+            })
+            .collect();
+        let target: Vec<Complex64> = (s.iter())
+            .map(|s| constant_damping_factor(damping, s / (2.0 * PI * reference_frequency)))
+            .collect();
+        let mut kept: Vec<usize> = (0..omega.len()).collect();
+        loop {
+            let p = fit_moduli(&s, &target, omega, &kept).ok_or_else(failed)?;
+            match kept.iter().zip(p.iter().skip(1)).find(|(_, g)| **g <= 0.0) {
+                Some((&arm, _)) => kept.retain(|&l| l != arm),
+                None => {
+                    let mut modulus = vec![0.0; omega.len()];
+                    kept.iter().zip(p.iter().skip(1)).for_each(|(&l, g)| modulus[l] = *g);
+                    return Ok(Self { relaxed: p[0], omega: omega.to_vec(), modulus });
+                }
+            }
+        }
+    }
+}
+
+/// Relaxed modulus and those of the arms `kept`, by Lawson-weighted linear least squares.
+fn fit_moduli(s: &[Complex64], target: &[Complex64], omega: &[f64], kept: &[usize]) -> Option<DVector<f64>> {
+    let (n, columns) = (s.len(), kept.len() + 1);
+    let basis = |i: usize, c: usize| match c {
+        0 => 1.0 / target[i],
+        _ => s[i] / (omega[kept[c - 1]] + s[i]) / target[i],
+    };
+    let mut weight = vec![1.0_f64; n];
+    let mut best: Option<(f64, DVector<f64>)> = None;
+    for _ in 0..30 {
+        let part = |z: Complex64, i: usize| if i < n { z.re } else { z.im };
+        let matrix =
+            DMatrix::from_fn(2 * n, columns, |i, c| weight[i % n].sqrt() * part(basis(i % n, c), i));
+        let right = DVector::from_fn(2 * n, |i, _| weight[i % n].sqrt() * part(Complex64::ONE, i));
+        let p = matrix.svd(true, true).solve(&right, 1e-14).ok()?;
+        let error: Vec<f64> = (0..n)
+            .map(|i| ((0..columns).map(|c| p[c] * basis(i, c)).sum::<Complex64>() - 1.0).norm())
+            .collect();
+        let worst = error.iter().fold(0.0_f64, |m, e| m.max(*e));
+        if best.as_ref().is_none_or(|(b, _)| worst < *b) {
+            best = Some((worst, p));
+        }
+        for (w, e) in weight.iter_mut().zip(&error) {
+            *w = (*w * e / worst.max(f64::MIN_POSITIVE)).max(1e-6);
+        }
+    }
+    best.map(|(_, p)| p)
 }
 
 /// The fitting problem in frequencies relative to the band's centre.

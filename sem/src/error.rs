@@ -50,6 +50,280 @@ pub enum SemError {
     /// No component is active.
     #[error("no component is active: the motion must have x, y or z")]
     NoComponent,
+    /// A dimension that has no mesh.
+    #[error("dimension {0} has no mesh of elements: give 2 (a section in x–z) or 3")]
+    Dimension(usize),
+    /// A geometric order that elements do not have.
+    #[error("elements of geometric order {0} are not known: give 1 (straight edges) or 2 (curved)")]
+    GeometryOrder(usize),
+    /// A box without extent.
+    #[error("the box runs from {axis} = {min} m to {max} m: the second must be greater, both finite")]
+    BoxRange {
+        /// Axis.
+        axis: char,
+        /// Least coordinate given, m.
+        min: f64,
+        /// Greatest coordinate given, m.
+        max: f64,
+    },
+    /// A horizontal size that is no size.
+    #[error("element width {0} m: give a finite width above 0")]
+    ElementWidth(f64),
+    /// More nodes than can be numbered.
+    #[error(
+        "a box of {} × {} × {} elements has more nodes than can be numbered (4.29e9): ask for larger elements or a smaller box",
+        counts[0], counts[1], counts[2]
+    )]
+    TooManyElements {
+        /// Elements along x, y, z.
+        counts: [usize; 3],
+    },
+    /// A topography without a height at a point of the box.
+    #[error(
+        "the topography gives no finite height at x = {x} m, y = {y} m: it must cover the whole box, sides included"
+    )]
+    TopographyMissing {
+        /// Place, m.
+        x: f64,
+        /// Place, m.
+        y: f64,
+    },
+    /// A surface that comes too near the interface under it.
+    #[error(
+        "the surface at x = {x} m, y = {y} m lies at z = {height} m, but the layers that follow it end at z = {floor} m and elements would be crushed below z = {least} m: let more layers follow the surface (moved_layers), thicken the first one or mesh the scene with Gmsh"
+    )]
+    TopographyTooLow {
+        /// Place, m.
+        x: f64,
+        /// Place, m.
+        y: f64,
+        /// Height of the surface there, m.
+        height: f64,
+        /// Flat interface under the layers that follow the surface, m.
+        floor: f64,
+        /// Lowest height allowed, m.
+        least: f64,
+    },
+    /// A grid of heights that is none.
+    #[error(
+        "a height grid of {} × {} points, spacing {} × {} m, has {found} heights: it needs one finite height per point and a spacing above 0",
+        counts[0], counts[1], spacing[0], spacing[1]
+    )]
+    HeightGrid {
+        /// Heights given.
+        found: usize,
+        /// Points along x and y.
+        counts: [usize; 2],
+        /// Spacing along x and y, m.
+        spacing: [f64; 2],
+    },
+    /// A resolution that is none.
+    #[error("{key} = {value}: element sizes need a finite value above 0")]
+    Sampling {
+        /// Key.
+        key: &'static str,
+        /// Value found.
+        value: f64,
+    },
+    /// Lists of a mesh that do not fit each other.
+    #[error(
+        "the mesh has {elements} elements and {nodes} nodes, and lists {found} element nodes where {expected} belong: give at least one element, all of its nodes, and fewer than 4.29e9 nodes"
+    )]
+    MeshLists {
+        /// Elements.
+        elements: usize,
+        /// Element nodes that belong to them.
+        expected: usize,
+        /// Element nodes found.
+        found: usize,
+        /// Nodes.
+        nodes: usize,
+    },
+    /// A coordinate that cannot be.
+    #[error(
+        "node {node} lies at ({}, {}, {}) m: coordinates must be finite, and y = 0 in a section (D = 2)",
+        position[0], position[1], position[2]
+    )]
+    NodePosition {
+        /// Node, counted from 0.
+        node: usize,
+        /// Its coordinates.
+        position: [f64; 3],
+    },
+    /// A node that is not there.
+    #[error("element {element} asks for node {node}, but the mesh has nodes 0 to {}: mesh again", nodes.saturating_sub(1))]
+    NodeIndex {
+        /// Element, counted from 0.
+        element: usize,
+        /// Node asked for.
+        node: u32,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// A material that is not there.
+    #[error(
+        "element {element} at ({}, {}, {}) m has material {material}, but only {materials} are named: put every element into a named group",
+        centre[0], centre[1], centre[2]
+    )]
+    MaterialIndex {
+        /// Element, counted from 0.
+        element: usize,
+        /// Mean of its corners, m.
+        centre: [f64; 3],
+        /// Index found.
+        material: u32,
+        /// Number of materials.
+        materials: usize,
+    },
+    /// A side that is not there.
+    #[error(
+        "boundary `{name}` has side {side} of element {element}, but the mesh has {elements} elements of {sides} sides (counted from 0): mesh again"
+    )]
+    SideIndex {
+        /// Boundary.
+        name: String,
+        /// Element asked for.
+        element: u32,
+        /// Side asked for.
+        side: u8,
+        /// Number of elements.
+        elements: usize,
+        /// Sides of an element.
+        sides: usize,
+    },
+    /// An element that is turned inside out, folded or flat.
+    #[error(
+        "element {element} at ({}, {}, {}) m has a scaled Jacobian of {value:.3e}, which must be above 1e-6: the element is turned inside out, folded or flat (check the order of its nodes, the mesh's quality there or the topography)",
+        centre[0], centre[1], centre[2]
+    )]
+    Jacobian {
+        /// Element, counted from 0.
+        element: usize,
+        /// Mean of its corners, m.
+        centre: [f64; 3],
+        /// Least scaled Jacobian, 1 for a box.
+        value: f64,
+    },
+    /// More than two elements at one side.
+    #[error(
+        "elements {elements:?} share one side at ({}, {}, {}) m: a side has at most two elements; remove the duplicates",
+        centre[0], centre[1], centre[2]
+    )]
+    SideShared {
+        /// Elements, counted from 0.
+        elements: Vec<u32>,
+        /// Middle of the side, m.
+        centre: [f64; 3],
+    },
+    /// A side on whose nodes two elements do not agree.
+    #[error(
+        "elements {} and {} meet at ({}, {}, {}) m with the same corners but not the same side: their nodes between or the order of the corners differ; mesh again with one geometric order and without duplicate nodes",
+        elements[0], elements[1], centre[0], centre[1], centre[2]
+    )]
+    SideTwisted {
+        /// Elements, counted from 0.
+        elements: [u32; 2],
+        /// Middle of the side, m.
+        centre: [f64; 3],
+    },
+    /// Two elements on the same side of the side that they share.
+    #[error(
+        "elements {} and {} overlap: both lie on the same side of their common face at ({}, {}, {}) m; remove the duplicate",
+        elements[0], elements[1], centre[0], centre[1], centre[2]
+    )]
+    ElementsOverlap {
+        /// Elements, counted from 0.
+        elements: [u32; 2],
+        /// Middle of the side, m.
+        centre: [f64; 3],
+    },
+    /// Elements that touch without sharing nodes.
+    #[error(
+        "element {} has a side at ({}, {}, {}) m that no element shares, yet element {} touches it: a hanging node, or two blocks with nodes of their own; make the blocks' divisions equal and merge duplicate nodes (Gmsh: Coherence)",
+        elements[0], centre[0], centre[1], centre[2], elements[1]
+    )]
+    SidesUnmatched {
+        /// Elements, counted from 0.
+        elements: [u32; 2],
+        /// Middle of the side, m.
+        centre: [f64; 3],
+    },
+    /// A named boundary inside the mesh.
+    #[error(
+        "boundary `{name}` has a side of element {element} at ({}, {}, {}) m that lies inside the mesh: a boundary must be part of the surface",
+        centre[0], centre[1], centre[2]
+    )]
+    BoundaryInside {
+        /// Boundary.
+        name: String,
+        /// Element, counted from 0.
+        element: u32,
+        /// Middle of the side, m.
+        centre: [f64; 3],
+    },
+    /// A boundary that the mesh does not have.
+    #[error("the mesh has no boundary `{name}`; it has {known:?}")]
+    NoBoundary {
+        /// Name asked for.
+        name: String,
+        /// Names there are.
+        known: Vec<String>,
+    },
+    /// A point outside the mesh.
+    #[error(
+        "the point ({}, {}, {}) m lies {distance:.3e} m outside the mesh, whose nearest point is ({}, {}, {}) m and which spans x {}…{}, y {}…{}, z {}…{} m: move the point or enlarge the mesh",
+        point[0], point[1], point[2], nearest[0], nearest[1], nearest[2],
+        min[0], max[0], min[1], max[1], min[2], max[2]
+    )]
+    OutsideMesh {
+        /// Point asked for, m.
+        point: [f64; 3],
+        /// Distance from the mesh, m.
+        distance: f64,
+        /// Nearest point of the mesh, m.
+        nearest: [f64; 3],
+        /// Least coordinates of the mesh, m.
+        min: [f64; 3],
+        /// Greatest coordinates of the mesh, m.
+        max: [f64; 3],
+    },
+    /// A place of the plan that a boundary does not cover.
+    #[error(
+        "x = {x} m, y = {y} m lies {distance:.3e} m beside the boundary `{name}`, whose nearest point is ({}, {}, {}) m",
+        nearest[0], nearest[1], nearest[2]
+    )]
+    OutsideBoundary {
+        /// Boundary.
+        name: String,
+        /// Place asked for, m.
+        x: f64,
+        /// Place asked for, m.
+        y: f64,
+        /// Distance in plan, m.
+        distance: f64,
+        /// Nearest point of the boundary, m.
+        nearest: [f64; 3],
+    },
+    /// P waves damped too little beside S waves.
+    #[error(
+        "material `{material}` (vp {vp} m/s, vs {vs} m/s): its P waves are damped so little beside its S waves that a change of volume would give energy back: raise damping_p to at least 4/3 (vs/vp)² damping"
+    )]
+    ActiveBulk {
+        /// Material.
+        material: String,
+        /// Speed of P waves, m/s.
+        vp: f64,
+        /// Speed of S waves, m/s.
+        vs: f64,
+    },
+    /// A number of materials that is not the mesh's.
+    #[error("the mesh has material `{name}`, for which no values are given; known are: {}", known.join(", "))]
+    UnknownMaterial {
+        /// Material of the mesh.
+        name: String,
+        /// Materials given.
+        known: Vec<String>,
+    },
     /// From the step or the algebra.
     #[error(transparent)]
     Coupling(#[from] hati_coupling::CouplingError),

@@ -70,6 +70,16 @@ impl Gll {
     }
 }
 
+impl Gll {
+    /// Slopes $\ell_j'(\xi)$ of the basis functions at a point of [−1, 1].
+    pub fn interpolation_slope(&self, xi: f64) -> Vec<f64> {
+        // the derivative of a basis function is a polynomial that its values at the points fix
+        let n = self.len();
+        let at = self.interpolation(xi);
+        (0..n).map(|j| (0..n).map(|i| at[i] * self.derivative[i * n + j]).sum()).collect()
+    }
+}
+
 /// Legendre polynomial and its derivative at x.
 fn legendre(order: usize, x: f64) -> (f64, f64) {
     let (mut p, mut before) = (1.0, 0.0);

@@ -6,10 +6,14 @@
 //! - [`column`]: the column as a subdomain: mesh, kernel, step, and its exact discrete frequency
 //!   response, from which sizes are chosen and motions are deconvolved.
 
+mod aligned;
 pub mod attenuation;
 pub mod column;
 mod error;
 pub mod gll;
+pub mod mesh;
+pub mod numbering;
 pub mod soil;
+pub mod solid;
 
 pub use error::SemError;

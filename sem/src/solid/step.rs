@@ -1,0 +1,265 @@
+//! Passes over all blocks and shared points, on one thread or several with the same bits.
+
+use super::block::{Books, Leaf, Own, Pass, Scratch};
+use super::model::{HeldKick, Model, SpecialKick};
+use super::real::Real;
+use super::portable;
+use hati_coupling::central_difference::{drift, kick};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Shared points that one task takes.
+const SHARED_RUN: usize = 2048;
+
+/// What special points exchanged with the outside during a pass, J.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Exchange {
+    pub input: f64,
+    pub outflow: f64,
+}
+
+/// Numbers that change while a solid steps.
+pub(super) struct Arrays<'a, T> {
+    pub x: &'a mut [T],
+    pub v: &'a mut [T],
+    pub partial: &'a mut [T],
+    pub dashpots: &'a mut [T],
+    pub books: &'a mut [Books],
+    pub exchange: &'a mut [Exchange],
+    pub scratch: &'a mut [Scratch<T>],
+}
+
+/// Tasks into which the shared points are cut.
+pub(super) fn shared_runs<T: Real>(model: &Model<T>) -> usize {
+    (model.layout.nodes - model.layout.shared).div_ceil(SHARED_RUN)
+}
+
+/// Runs a pass over blocks and shared points. `external` holds the forces at special points, N.
+pub(super) fn run<T: Real>(
+    model: &Model<T>,
+    pass: Pass,
+    parallel: bool,
+    arrays: Arrays<'_, T>,
+    external: &[[f64; 3]],
+) {
+    let inner = 3 * model.layout.shared;
+    let (x, shared_x) = arrays.x.split_at_mut(inner);
+    let (v, shared_v) = arrays.v.split_at_mut(inner);
+    let own = Own { x, v, partial: &mut *arrays.partial, dashpots: arrays.dashpots, books: arrays.books };
+    let blocks = Blocks { model, pass, parallel, shared_x, shared_v };
+    blocks.run(0..model.layout.leaves.len(), own, arrays.scratch);
+    if pass == Pass::Energies {
+        return;
+    }
+    let shared = Shared { model, pass, parallel, partial: arrays.partial, external };
+    shared.run(0, shared_x, shared_v, arrays.exchange);
+}
+
+/// Orders that a kernel is compiled for.
+pub(super) const FAST_ORDERS: std::ops::RangeInclusive<usize> = 3..=8;
+
+/// Lanes of the widest vectors that the machine has and a kernel is compiled for; 1 where it has none.
+pub(super) fn lanes<T: Real>() -> usize {
+    #[cfg(target_arch = "x86_64")]
+    match Arch::new() {
+        Arch::V4(_) => T::lanes::<pulp::x86::V4>(),
+        Arch::V3(_) => T::lanes::<pulp::x86::V3>(),
+        _ => 1,
+    }
+    #[cfg(target_arch = "aarch64")]
+    match Arch::new() {
+        Arch::Neon(_) => T::lanes::<pulp::aarch64::Neon>(),
+        _ => 1,
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    1
+}
+
+/// Runs a leaf on these vectors. Not by `Arch::dispatch`, which would compile a scalar kernel of each
+/// size as well.
+fn dispatch<W: WithSimd<Output = ()>>(leaf: W) {
+    #[cfg(target_arch = "x86_64")]
+    match Arch::new() {
+        Arch::V4(simd) => Simd::vectorize(simd, leaf),
+        Arch::V3(simd) => Simd::vectorize(simd, leaf),
+        _ => unreachable!("the portable path has one lane"),
+    }
+    #[cfg(target_arch = "aarch64")]
+    match Arch::new() {
+        Arch::Neon(simd) => Simd::vectorize(simd, leaf),
+        _ => unreachable!("the portable path has one lane"),
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let _ = leaf;
+}
+
+struct Blocks<'a, T: Real> {
+    model: &'a Model<T>,
+    pass: Pass,
+    parallel: bool,
+    shared_x: &'a [T],
+    shared_v: &'a [T],
+}
+
+impl<T: Real> Blocks<'_, T> {
+    /// Halves the leaves until one is left; the halves may run at the same time.
+    fn run(&self, leaves: Range<usize>, own: Own<'_, T>, scratch: &mut [Scratch<T>]) {
+        if leaves.len() <= 1 {
+            if let (Some(leaf), Some(scratch)) = (leaves.clone().next(), scratch.first_mut()) {
+                self.leaf(self.model.layout.leaves[leaf].clone(), own, scratch);
+            }
+            return;
+        }
+        let middle = leaves.start + leaves.len() / 2;
+        let layout = &self.model.layout;
+        let blocks = layout.leaves[leaves.start].start..layout.leaves[middle].start;
+        let (first, last) = (&layout.blocks[blocks.start], &layout.blocks[blocks.end - 1]);
+        let batches = last.batches.end - first.batches.start;
+        let (left, right) = own.split(
+            last.inner.end - first.inner.start,
+            last.halo.end - first.halo.start,
+            batches * self.model.dashpots_per_batch(),
+            blocks.len(),
+        );
+        let (scratch_left, scratch_right) = scratch.split_at_mut(middle - leaves.start);
+        let run_left = || self.run(leaves.start..middle, left, scratch_left);
+        let run_right = || self.run(middle..leaves.end, right, scratch_right);
+        if self.parallel {
+            rayon::join(run_left, run_right);
+        } else {
+            run_left();
+            run_right();
+        }
+    }
+
+    fn leaf(&self, blocks: Range<usize>, own: Own<'_, T>, scratch: &mut Scratch<T>) {
+        macro_rules! sizes {
+            ($($order:literal)*) => {
+                match (self.model.gll.len() - 1, self.model.dimension) {
+                    $(
+                        ($order, 2) => self.sized::<{ $order + 1 }, 1>(blocks, own, scratch),
+                        ($order, _) => self.sized::<{ $order + 1 }, { $order + 1 }>(blocks, own, scratch),
+                    )*
+                    _ => unreachable!("the portable path takes the others"),
+                }
+            };
+        }
+        if self.model.layout.lanes == 1 {
+            let (x, v) = (self.shared_x, self.shared_v);
+            portable::run(self.model, self.pass, blocks, own, x, v, scratch);
+            return;
+        }
+        sizes!(3 4 5 6 7 8);
+    }
+
+    fn sized<const P: usize, const K: usize>(
+        &self,
+        blocks: Range<usize>,
+        own: Own<'_, T>,
+        scratch: &mut Scratch<T>,
+    ) {
+        let (model, pass) = (self.model, self.pass);
+        let (shared_x, shared_v) = (self.shared_x, self.shared_v);
+        if model.arms > 0 && pass != Pass::UnrelaxedForce {
+            let leaf = Leaf::<T, P, K, true> { model, pass, blocks, own, shared_x, shared_v, scratch };
+            dispatch(leaf);
+        } else {
+            let leaf = Leaf::<T, P, K, false> { model, pass, blocks, own, shared_x, shared_v, scratch };
+            dispatch(leaf);
+        }
+    }
+}
+
+struct Shared<'a, T: Real> {
+    model: &'a Model<T>,
+    pass: Pass,
+    parallel: bool,
+    partial: &'a [T],
+    external: &'a [[f64; 3]],
+}
+
+impl<T: Real> Shared<'_, T> {
+    /// Ends the pass at shared points from number `first` (counted from the first shared one).
+    fn run(&self, first: usize, x: &mut [T], v: &mut [T], exchange: &mut [Exchange]) {
+        let runs = exchange.len();
+        if runs <= 1 {
+            if let Some(exchange) = exchange.first_mut() {
+                *exchange = self.points(first, x, v);
+            }
+            return;
+        }
+        let middle = runs / 2;
+        let (x0, x1) = x.split_at_mut(3 * middle * SHARED_RUN);
+        let (v0, v1) = v.split_at_mut(3 * middle * SHARED_RUN);
+        let (e0, e1) = exchange.split_at_mut(middle);
+        let mut left = || self.run(first, x0, v0, e0);
+        let mut right = || self.run(first + middle * SHARED_RUN, x1, v1, e1);
+        if self.parallel {
+            rayon::join(left, right);
+        } else {
+            left();
+            right();
+        }
+    }
+
+    fn points(&self, first: usize, x: &mut [T], v: &mut [T]) -> Exchange {
+        let layout = &self.model.layout;
+        let mut exchange = Exchange::default();
+        let points = x.as_chunks_mut::<3>().0.iter_mut().zip(v.as_chunks_mut::<3>().0);
+        for (i, (x, v)) in (first..).zip(points) {
+            let entries = layout.sums_start[i] as usize..layout.sums_start[i + 1] as usize;
+            let mut f = [T::default(); 3];
+            for &entry in &layout.sums[entries] {
+                for (c, f) in f.iter_mut().enumerate() {
+                    *f += self.partial[3 * entry as usize + c];
+                }
+            }
+            if self.pass == Pass::UnrelaxedForce {
+                *v = f;
+                continue;
+            }
+            let number = layout.shared + i;
+            if number < layout.special {
+                let m = self.model.dt_over_mass[number];
+                for c in 0..3 {
+                    v[c] = kick(v[c], T::default() - f[c], m);
+                    x[c] = drift(x[c], v[c], self.model.dt);
+                }
+            } else {
+                self.special(number - layout.special, f, x, v, &mut exchange);
+            }
+        }
+        exchange
+    }
+
+    fn special(&self, i: usize, f: [T; 3], x: &mut [T; 3], v: &mut [T; 3], exchange: &mut Exchange) {
+        let external = self.external[i];
+        let force: [f64; 3] = std::array::from_fn(|c| external[c] - f[c].f64());
+        let before = v.map(T::f64);
+        let after = match &self.model.specials[i] {
+            SpecialKick::Free(m) => std::array::from_fn(|c| kick(before[c], force[c], m.f64())),
+            SpecialKick::Held(held) => held.kick(before, force),
+        };
+        let dt = self.model.dt.f64();
+        let mean: [f64; 3] = std::array::from_fn(|c| 0.5 * (before[c] + after[c]));
+        exchange.input += dt * (0..3).map(|c| external[c] * mean[c]).sum::<f64>();
+        if let SpecialKick::Held(held) = &self.model.specials[i] {
+            exchange.outflow += dt * held.power(mean);
+        }
+        for c in 0..3 {
+            v[c] = T::of(after[c]);
+            x[c] = drift(x[c], v[c], self.model.dt);
+        }
+    }
+}
+
+impl HeldKick {
+    fn kick(&self, v: [f64; 3], f: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| (0..3).map(|j| self.keep[i][j] * v[j] + self.force[i][j] * f[j]).sum())
+    }
+
+    /// Power that the dashpot takes up, W.
+    fn power(&self, v: [f64; 3]) -> f64 {
+        (0..3).map(|i| v[i] * (0..3).map(|j| self.dashpot[i][j] * v[j]).sum::<f64>()).sum()
+    }
+}
