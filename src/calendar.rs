@@ -24,9 +24,40 @@ fn civil(days: i64) -> (i64, i64, i64) {
     (year, month, day)
 }
 
+/// Seconds since 1970-01-01T00:00:00Z of `YYYY-MM-DDThh:mm:ss[.f…][Z]`; `None` for any other text.
+///
+/// A text without a zone counts as UTC.
+pub fn unix_seconds(iso: &str) -> Option<f64> {
+    let (date, time) = iso.trim().trim_end_matches('Z').split_once(['T', ' '])?;
+    let numbers =
+        |text: &str, mark: char| text.split(mark).map(|n| n.parse().ok()).collect::<Option<Vec<f64>>>();
+    let [year, month, day] = numbers(date, '-')?.try_into().ok()?;
+    let [h, m, s] = numbers(time, ':')?.try_into().ok()?;
+    let wanted = (year as i64, month as i64, day as i64);
+    // The calendar is known one way only: a guess a few days off, then the day that has this date.
+    let guess = ((year - 1970.0) * 365.2425 + (month - 1.0) * 30.44 + day) as i64;
+    let found = (guess - 8..=guess + 8).find(|&number| civil(number) == wanted)?;
+    let sound = (0.0..24.0).contains(&h) && (0.0..60.0).contains(&m) && (0.0..61.0).contains(&s);
+    sound.then_some(found as f64 * 86_400.0 + h * 3600.0 + m * 60.0 + s)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::iso8601;
+    use super::{iso8601, unix_seconds};
+
+    #[test]
+    fn instants_come_back() {
+        for seconds in [0.0, 839_646_720.25, 951_782_400.0, -1.5, 4_107_542_399.0, -2_208_988_800.0] {
+            assert_eq!(unix_seconds(&iso8601(seconds)), Some(seconds));
+        }
+        for day in -40_000..60_000 {
+            let seconds = f64::from(day) * 86_400.0;
+            assert_eq!(unix_seconds(&iso8601(seconds)), Some(seconds));
+        }
+        for wrong in ["", "unknown", "2024-02-30T00:00:00Z", "2024-01-01T25:00:00Z", "2024-01-01"] {
+            assert_eq!(unix_seconds(wrong), None, "{wrong}");
+        }
+    }
 
     #[test]
     fn known_instants() {

@@ -11,12 +11,14 @@
 //! - [`plan`]: every size with its reason and the predicted error;
 //! - [`run`]: the time loop and the run folder;
 //! - [`outputs`], [`report`]: NetCDF files and the page; [`results`]: what they are made from;
+//! - [`export`]: a run folder in the formats of other programs;
 //! - [`closed_form`]: the yardstick, never used by a run's solver.
 
 pub mod calendar;
 pub mod chart;
 pub mod cli;
 pub mod closed_form;
+pub mod export;
 pub mod measured;
 pub mod motion_input;
 pub mod outputs;

@@ -35,7 +35,7 @@ impl MotionInput {
             let motion = Motion::from_channels(channels.each_ref().map(Option::as_ref))?;
             with_wavelets(scene, motion, &mut described)?
         } else {
-            from_wavelets(scene, scene.motion.quantity, &mut described)?
+            from_wavelets(scene, scene.motion().quantity, &mut described)?
         };
         let mut input = Self { motion, channels: described, scale: None, warnings: vec![] };
         input.process(scene, channels.map(|channel| channel.is_some()))?;
@@ -45,7 +45,7 @@ impl MotionInput {
     /// Does the scene's steps; `recorded`: the components that come from files.
     fn process(&mut self, scene: &Scene, mut recorded: [bool; 3]) -> Result<(), InputError> {
         let motion = &mut self.motion;
-        for (i, step) in scene.motion.process.iter().enumerate() {
+        for (i, step) in scene.motion().process.iter().enumerate() {
             let refused = |source| in_process(scene, i + 1, source);
             if step.mends_an_instrument() {
                 on_records(step, motion, recorded).map_err(refused)?;
@@ -101,8 +101,8 @@ fn recorded(scene: &Scene) -> Result<[Option<Channel>; 3], InputError> {
         return Ok(channels);
     }
     let options = ReadOptions {
-        quantity: Some(scene.motion.quantity),
-        accept_clipped: scene.motion.accept_clipped,
+        quantity: Some(scene.motion().quantity),
+        accept_clipped: scene.motion().accept_clipped,
         ..ReadOptions::default()
     };
     let (axes, sources): (Vec<usize>, Vec<records::Source>) = sources.into_iter().unzip();

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::gmsh::{MeshFault, point};
 use crate::motion::Quantity;
 use crate::number::{brief, nine, plain};
 
@@ -449,6 +450,81 @@ pub enum InputError {
         crashed: bool,
     },
 
+    // ---- meshes -----------------------------------------------------------------------------------
+    /// A damaged mesh file.
+    #[error("{}: {place}: {problem}\n  help: write the mesh again; a damaged file is not repaired here", path.display())]
+    MeshBroken {
+        /// The file.
+        path: PathBuf,
+        /// Line, byte, node or element.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// A sound file that is no mesh for this program.
+    #[error("{}: {problem}\n  help: {remedy}", path.display())]
+    MeshRefused {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        problem: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// An element that cannot be computed with.
+    #[error("{}: element {tag} at {}{}: {fault}\n  help: {}", path.display(), point(*centre), and_others(*others), fault.remedy())]
+    MeshElement {
+        /// The file.
+        path: PathBuf,
+        /// Gmsh's tag of the element.
+        tag: u64,
+        /// Mean of its corners in the coordinates of the file.
+        centre: [f64; 3],
+        /// What is wrong with it.
+        fault: Box<MeshFault>,
+        /// How many other elements are known to have the same fault.
+        others: usize,
+    },
+    /// A geometry that is not run.
+    #[error("{}: {problem}\n  help: {remedy}", path.display())]
+    GeoRefused {
+        /// The `.geo` file.
+        path: PathBuf,
+        /// Why.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// No Gmsh could be started.
+    #[error("{}: this Python has no usable Gmsh: {reason}
+  help: run `make setup` in hati's folder and read what it says of Gmsh; or mesh by any Gmsh 4 (gmsh -3 -format msh41) and name the .msh file", python.display())]
+    GmshMissing {
+        /// The interpreter.
+        python: PathBuf,
+        /// What it said.
+        reason: String,
+    },
+    /// Gmsh did not mesh a geometry.
+    #[error("{}: {problem}{messages}\n  help: open the file in Gmsh and mesh it there; its own messages name the line", path.display())]
+    GmshFailed {
+        /// The `.geo` file.
+        path: PathBuf,
+        /// What happened.
+        problem: String,
+        /// The end of Gmsh's messages, on lines of their own, or nothing.
+        messages: String,
+    },
+    /// Gmsh took longer than allowed and was stopped.
+    #[error("{}: meshing took more than {seconds} s and was stopped{messages}\n  help: mesh it coarser, or by itself (gmsh -3 -format msh41) and name the .msh file", path.display())]
+    GmshTimeout {
+        /// The `.geo` file.
+        path: PathBuf,
+        /// The limit, s.
+        seconds: f64,
+        /// The end of Gmsh's messages, on lines of their own, or nothing.
+        messages: String,
+    },
+
     // ---- motions --------------------------------------------------------------------------------
     /// A motion without any component.
     #[error("a motion has no component\n  help: give x, y or z, at least one of them")]
@@ -543,6 +619,11 @@ pub enum InputError {
         /// What to do.
         remedy: String,
     },
+}
+
+/// How many elements beside the first have a fault.
+fn and_others(count: usize) -> String {
+    if count == 0 { String::new() } else { format!(" (the first of {})", count + 1) }
 }
 
 /// What is said of a step that is missing or doubted.

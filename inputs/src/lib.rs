@@ -5,6 +5,7 @@
 //! | [`records`] | accelerograms of observatories, read by ObsPy in a child process, with their units made sure of |
 //! | [`motion`] | a motion of one to three components: offset, scale, band, taper, integration, resampling |
 //! | [`measures`] | peaks, Arias intensity, duration, response spectra, Fourier amplitudes |
+//! | [`gmsh`] | meshes that Gmsh wrote, with materials and boundaries by their names; `.geo` files meshed by it |
 //! | [`scene`] | scene files: format, schema, checks that name every mistake at once, resolved scenes |
 //!
 //! A record becomes a motion in three lines:
@@ -21,6 +22,7 @@
 //! what to do. Every operation on a motion leaves a [`records::Step`] with its numbers.
 
 mod error;
+pub mod gmsh;
 pub mod measures;
 pub mod motion;
 mod number;

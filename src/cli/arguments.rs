@@ -32,6 +32,8 @@ pub(super) enum Verb {
     Run(RunArguments),
     /// Look at records: what was found in the files, their measures, a page, and the processed motion as files.
     Record(RecordArguments),
+    /// Turn a run folder into CSV, miniSEED, SAC or VTKHDF.
+    Export(ExportArguments),
     /// Print the JSON Schema of scene files.
     Schema {
         /// Print the reference page of the book instead.
@@ -63,6 +65,31 @@ pub(super) struct RunArguments {
     /// Stop as if interrupted after this wall time: seconds, or with s, min or h.
     #[arg(long, value_parser = wall_time)]
     pub(super) max_wall_time: Option<Duration>,
+}
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
+pub(super) struct ExportArguments {
+    /// The folder that `hati run` wrote.
+    pub(super) run: PathBuf,
+    /// Stations as text: PLACE.csv, SI units, every digit.
+    #[arg(long, group = "format")]
+    pub(super) csv: bool,
+    /// Stations as miniSEED: PLACE.acceleration.mseed, ..., SI units.
+    #[arg(long, group = "format")]
+    pub(super) mseed: bool,
+    /// Stations as SAC: PLACE.acceleration.x.sac, ..., in nm/s², nm/s and nm.
+    #[arg(long, group = "format")]
+    pub(super) sac: bool,
+    /// Fields in 2D and 3D as VTKHDF for ParaView: surface.vtkhdf, volume.vtkhdf, field.vtkhdf.
+    #[arg(long, group = "format")]
+    pub(super) vtkhdf: bool,
+    /// Only this station.
+    #[arg(long, value_name = "PLACE")]
+    pub(super) place: Option<String>,
+    /// Folder for the files [default: RUN/export].
+    #[arg(long, short, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
 }
 
 /// What `record --help` ends with.

@@ -11,6 +11,7 @@
 //!
 //! Results for machines go to stdout (one JSON value with `--json`), everything else to stderr.
 mod arguments;
+mod export;
 mod record;
 mod record_table;
 mod show;
@@ -115,6 +116,7 @@ pub fn main() -> ExitCode {
         Verb::Plan(a) => plan(&a, json),
         Verb::Run(a) => run_verb(&a, json),
         Verb::Record(a) => record::record(&a, json),
+        Verb::Export(a) => export::export_verb(&a, json),
         Verb::Schema { markdown } => schema(markdown),
         Verb::Chart(a) => chart(&a, json),
         Verb::Verify(a) => verify(&a, json),

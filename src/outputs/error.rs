@@ -71,6 +71,41 @@ pub enum OutputError {
         /// What the encoder said.
         cause: serde_json::Error,
     },
+    /// A file of an earlier run that a restart cannot go on with.
+    #[error("cannot go on with {}: {why}\n  help: run without --restart, or choose another folder with --out", path.display())]
+    Unresumable {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        why: Unresumable,
+    },
+    /// Rows closer together than the samples they are made from.
+    #[error(
+        "rows every {dt_out} s cannot be made from samples every {dt} s that begin at {first} s\n  help: ask for rows no closer together than the step"
+    )]
+    Schedule {
+        /// Time between samples, s.
+        dt: f64,
+        /// Time between rows, s.
+        dt_out: f64,
+        /// Time of the first sample, s.
+        first: f64,
+    },
+    /// A stored state of another size or set-up than the one it should go into.
+    #[error(
+        "the stored state of {what} has {found} bytes where {expected} are expected\n  help: it belongs to another scene; run without --restart"
+    )]
+    State {
+        /// What it is the state of.
+        what: &'static str,
+        /// Bytes given.
+        found: usize,
+        /// Bytes asked for.
+        expected: usize,
+    },
+    /// The thread that writes ended at an earlier failure, which was told then.
+    #[error("nothing more can be written: the writer ended at the failure told before")]
+    WriterEnded,
     /// A figure's image could not be encoded.
     #[error("cannot encode the image of {}: {cause}", path.display())]
     Image {
@@ -78,6 +113,32 @@ pub enum OutputError {
         path: PathBuf,
         /// What the encoder said.
         cause: png::EncodingError,
+    },
+}
+
+/// Why a restart cannot go on with a file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unresumable {
+    /// It is compressed, as only a finished run leaves it.
+    #[error("the run that wrote it is finished")]
+    Finished,
+    /// It cannot be read.
+    #[error("it is no file that hati wrote for a run under way")]
+    Unreadable,
+    /// Its dimensions or variables are others.
+    #[error("the scene asks for {what}, and the file does not hold that")]
+    OtherLayout {
+        /// The first that differs.
+        what: String,
+    },
+    /// It holds fewer rows than the checkpoint tells of.
+    #[error("it has {found} rows where {expected} are expected")]
+    TooShort {
+        /// Rows in the file.
+        found: u64,
+        /// Rows at the checkpoint.
+        expected: u64,
     },
 }
 

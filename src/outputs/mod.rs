@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `stations.nc` | [`StationsWriter`] | motions at named depths (CF `timeSeries`) and the input motions |
 //! | `field.nc` | [`FieldWriter`] | motion of the whole column on a regular depth grid, peak values with depth |
+//! | `surface.nc`, `volume.nc`, `field.nc` in 2D and 3D | [`wave::WaveWriter`] | motion over points and cells (UGRID), or a regular grid |
 //! | `ledger.nc` | [`LedgerWriter`] | cumulative energies over time and the closing error |
 //! | `summary.json`, `progress.json` | [`write_summary`], [`write_progress`] | replaced in one step, never half written |
 //!
@@ -21,6 +22,9 @@
 //! **A disk that fills up.** Before each part the file system is asked for its room, and where the part
 //! would not fit, the writer refuses ([`OutputError::DiskFull`]) without having touched the file.
 
+mod classic;
+mod compress;
+pub mod decimate;
 mod error;
 mod field;
 mod file;
@@ -29,9 +33,12 @@ mod ledger;
 mod locking;
 mod provenance;
 mod stations;
+pub mod thread;
+pub mod wave;
 
+pub(crate) use classic::aside;
 pub(crate) use error::expect_room;
-pub use error::{OutputError, Room};
+pub use error::{OutputError, Room, Unresumable};
 pub use field::{FieldChunk, FieldWriter};
 pub(crate) use json::replace_bytes;
 pub use json::{write_progress, write_summary};

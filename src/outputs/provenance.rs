@@ -1,6 +1,7 @@
 //! Where the numbers in a file come from: the global attributes of every NetCDF file.
 
 use super::OutputError;
+use super::classic::Attribute;
 use super::file::OutputFile;
 
 /// Version of the layout of hati's NetCDF files.
@@ -41,23 +42,35 @@ impl Provenance {
 
     /// Writes the global attributes; `content` says what the file holds.
     pub(super) fn write(&self, file: &mut OutputFile, content: &str) -> Result<(), OutputError> {
-        let start_known = self.start.as_deref().is_some_and(|s| !s.trim().is_empty());
-        file.attribute("Conventions", "CF-1.11")?;
-        file.attribute("title", format!("{}: {content}", self.title))?;
-        file.attribute("history", self.history.as_str())?;
-        file.attribute("source", format!("hati {}", self.hati_version))?;
-        file.attribute("hati_version", self.hati_version.as_str())?;
-        file.attribute("format_version", FORMAT_VERSION)?;
-        file.attribute("scene_sha256", self.scene_sha256.as_str())?;
-        file.attribute("record_sha256", self.record_sha256.join(" "))?;
-        file.attribute("record_steps", self.record_steps.to_string())?;
-        file.attribute(
-            "record_start",
-            if start_known { self.start.clone().unwrap_or_default() } else { "unknown".to_owned() },
-        )?;
-        if let Some(accuracy) = self.accuracy {
-            file.attribute("accuracy", accuracy)?;
+        for (name, value) in self.attributes(content) {
+            match value {
+                Attribute::Text(text) => file.attribute(&name, text)?,
+                Attribute::Int(value) => file.attribute(&name, value)?,
+                Attribute::Double(value) => file.attribute(&name, value)?,
+                Attribute::Float(value) => file.attribute(&name, value)?,
+                Attribute::Bytes(values) => file.attribute(&name, values)?,
+            }
         }
         Ok(())
+    }
+
+    /// The global attributes; `content` says what the file holds.
+    pub(super) fn attributes(&self, content: &str) -> Vec<(String, Attribute)> {
+        let start = self.start.as_deref().filter(|start| !start.trim().is_empty());
+        let text = |name: &str, value: String| (name.to_owned(), Attribute::Text(value));
+        let mut attributes = vec![
+            text("Conventions", "CF-1.11".into()),
+            text("title", format!("{}: {content}", self.title)),
+            text("history", self.history.clone()),
+            text("source", format!("hati {}", self.hati_version)),
+            text("hati_version", self.hati_version.clone()),
+            ("format_version".into(), Attribute::Int(FORMAT_VERSION)),
+            text("scene_sha256", self.scene_sha256.clone()),
+            text("record_sha256", self.record_sha256.join(" ")),
+            text("record_steps", self.record_steps.to_string()),
+            text("record_start", start.unwrap_or("unknown").to_owned()),
+        ];
+        attributes.extend(self.accuracy.map(|accuracy| ("accuracy".into(), Attribute::Double(accuracy))));
+        attributes
     }
 }

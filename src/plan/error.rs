@@ -14,6 +14,14 @@ pub enum PlanError {
     /// From the step.
     #[error(transparent)]
     Coupling(#[from] hati_coupling::CouplingError),
+    /// A scene with a domain.
+    #[error(
+        "domain.dimension = {dimension}: scenes in two or three dimensions are checked, but not run yet\n  help: take [domain] out for a column"
+    )]
+    NotBuilt {
+        /// Dimension of the domain.
+        dimension: usize,
+    },
     /// The given step is too long.
     #[error(
         "discretisation.dt = {dt:.4e} s is unstable: the critical step is {dt_critical:.4e} s, bounded by layer `{layer}` (element of {height:.3} m at {top:.2} m depth)\n  help: give dt ≤ {safe:.3e} s, or leave it to \"auto\""

@@ -89,6 +89,9 @@ const TARGET_SHARE: f64 = 0.85;
 impl Plan {
     /// Reads the motion and decides everything.
     pub fn new(scene: &Scene) -> Result<Self, PlanError> {
+        if scene.domain.is_some() {
+            return Err(PlanError::NotBuilt { dimension: scene.dimension() });
+        }
         Self::with_input(scene, MotionInput::read(scene)?)
     }
 
@@ -99,7 +102,7 @@ impl Plan {
         let sample_dt = input.motion.dt;
         let band = choose_band(scene, &input, &mut notes)?;
         let profile = profile(scene, &input, band, &mut notes);
-        let control = match scene.motion.kind {
+        let control = match scene.motion().kind {
             MotionKind::Outcrop => Control::Outcrop,
             MotionKind::Within => Control::Within,
             MotionKind::Surface => Control::Surface,

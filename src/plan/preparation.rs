@@ -32,8 +32,8 @@ pub(super) fn choose_band(
     let dt = input.motion.dt;
     let nyquist = 0.5 / dt;
     let lowest = 1.0 / (input.motion.len() as f64 * dt);
-    let auto = scene.motion.band == Band::Auto;
-    let ((f_min, f_max), why) = match scene.motion.band {
+    let auto = scene.motion().band == Band::Auto;
+    let ((f_min, f_max), why) = match scene.motion().band {
         Band::Range([a, b]) => ((a, b), "user".to_string()),
         Band::Full => (
             (lowest, nyquist),
@@ -81,7 +81,7 @@ fn energy_kept(input: &MotionInput, band: (f64, f64)) -> f64 {
 /// The soil profile of a scene with its reference frequency.
 pub(super) fn profile(scene: &Scene, input: &MotionInput, band: (f64, f64), notes: &mut Notes) -> Profile {
     let given = scene.soil.reference_frequency;
-    let (value, why) = match (given, scene.motion.band) {
+    let (value, why) = match (given, scene.motion().band) {
         (Auto::Value(f), _) => (f, "user"),
         (Auto::Auto, Band::Auto) => {
             let (low, high) = energy_band(input, REFERENCE_ACCURACY);
@@ -110,7 +110,7 @@ pub(super) fn profile(scene: &Scene, input: &MotionInput, band: (f64, f64), note
             damping_p: l.damping_p,
         })
         .collect();
-    let base = scene.soil.base.half_space().map_or(Base::Rigid, |h| Base::Elastic {
+    let base = scene.half_space().map_or(Base::Rigid, |h| Base::Elastic {
         vs: h.vs,
         vp: h.vp,
         rho: h.rho,
@@ -222,7 +222,7 @@ pub(super) fn extend(
     }
     let parameters = json!({ "before_s": lead as f64 * motion.dt, "after_s": tail as f64 * motion.dt });
     motion.steps.push(Step::new("zero padding", parameters));
-    if scene.motion.band != Band::Full {
+    if scene.motion().band != Band::Full {
         motion.band(band.0, band.1.min(nyquist))?;
         // The window has no phase and spreads below f_min: what it puts outside the record's time is cut, and
         // what is left moves on. Where nothing below f_min is wanted, the ground ends where it began.

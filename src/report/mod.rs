@@ -19,6 +19,7 @@ mod svg;
 mod table;
 mod tables;
 mod value;
+pub mod wave;
 
 use std::path::Path;
 

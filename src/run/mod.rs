@@ -416,7 +416,7 @@ fn summary(scene: &Scene, plan: &Plan, simulation: &Simulation, status: &str) ->
         "accuracy": { "asked": scene.accuracy, "predicted": plan.search.chosen.error },
         "record": {
             "channels": plan.input.channels, "scale": scale, "steps": plan.input.motion.steps,
-            "start": start_iso(plan), "kind": scene.motion.kind.as_str(),
+            "start": start_iso(plan), "kind": scene.motion().kind.as_str(),
             "deconvolution_amplification": plan.amplification,
         },
         "model": plan.model_json(),

@@ -114,7 +114,7 @@ fn the_scene_without_the_mistakes_is_sound() {
 #[test]
 fn shipped_scenes_are_sound() {
     let folder = folder();
-    for name in ["three-layer", "site-response"] {
+    for name in ["three-layer", "site-response", "lamb", "basin-2d"] {
         let answer = hati(folder.path(), &["check", &shipped(name)]).exits(0);
         assert_eq!(answer.stdout, format!("{}/scene.toml: the scene is sound\n", shipped(name)));
         assert_eq!(answer.stderr, "");

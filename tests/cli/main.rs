@@ -8,6 +8,7 @@
 mod check;
 mod disk;
 mod documentation;
+mod export;
 mod interrupt;
 mod physics;
 mod plan;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::InputError;
+use crate::gmsh::MeshFault;
 use crate::motion::Quantity;
 
 fn path() -> PathBuf {
@@ -76,6 +77,27 @@ fn of_channels() -> Vec<InputError> {
     ]
 }
 
+/// Of meshes and Gmsh.
+fn of_meshes() -> Vec<InputError> {
+    use InputError::*;
+    let (problem, remedy, messages) = (word(), word(), String::from("\n  Error   : of Gmsh"));
+    vec![
+        MeshBroken { path: path(), place: "line 3".into(), problem: word() },
+        MeshRefused { path: path(), problem, remedy },
+        MeshElement {
+            path: path(),
+            tag: 7,
+            centre: [999_968.820_000_000_1, 0.0, -1e-7],
+            fault: Box::new(MeshFault::NoGroup),
+            others: 2,
+        },
+        GeoRefused { path: path(), problem: word(), remedy: "leave it" },
+        GmshMissing { python: path(), reason: word() },
+        GmshFailed { path: path(), problem: word(), messages: messages.clone() },
+        GmshTimeout { path: path(), seconds: 60.0, messages },
+    ]
+}
+
 /// Of motions and their processing.
 fn of_motions() -> Vec<InputError> {
     use InputError::*;
@@ -101,7 +123,8 @@ fn of_motions() -> Vec<InputError> {
 
 #[test]
 fn every_refusal_ends_with_a_help_in_plain_numbers() {
-    let all: Vec<InputError> = [of_files(), of_channels(), of_motions()].into_iter().flatten().collect();
+    let all: Vec<InputError> =
+        [of_files(), of_channels(), of_meshes(), of_motions()].into_iter().flatten().collect();
     let variants = include_str!("../error.rs").matches("    #[error(").count();
     assert_eq!(all.len(), variants, "each variant once");
     for error in all {

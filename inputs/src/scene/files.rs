@@ -26,10 +26,15 @@ pub(super) fn record(folder: &Path, file: &str) -> Result<(), FileProblem> {
     if let Some(inside) = file.strip_prefix("obspy:") {
         return inside_package(inside);
     }
+    local(folder, file, "name the file; for several channels in one file give `channel`")
+}
+
+/// As [`record`], for a file that is no record; `one`: what to do in place of a wildcard.
+pub(super) fn local(folder: &Path, file: &str, one: &str) -> Result<(), FileProblem> {
     if file.contains("://") {
         return Err(FileProblem::new(
-            format!("{file:?} is a URL; records are read from local files only"),
-            Some("download the record and name the local file".to_owned()),
+            format!("{file:?} is a URL; only local files are read"),
+            Some("download it and name the local file".to_owned()),
         ));
     }
     if file.contains('\0') {
@@ -38,15 +43,15 @@ pub(super) fn record(folder: &Path, file: &str) -> Result<(), FileProblem> {
     let path = folder.join(file);
     if path.symlink_metadata().is_err() && file.contains(['*', '?', '[']) {
         return Err(FileProblem::new(
-            format!("{file:?} holds a wildcard; a component is one file"),
-            Some("name the file; for several channels in one file give `channel`".to_owned()),
+            format!("{file:?} holds a wildcard, expected one file"),
+            Some(one.to_owned()),
         ));
     }
     let size = regular_file(&path, "")?;
     if size == 0 {
         return Err(FileProblem::new(
             format!("{} is empty (0 bytes)", path.display()),
-            Some("copy or download the record again".to_owned()),
+            Some("copy or download it again".to_owned()),
         ));
     }
     Ok(())
@@ -136,7 +141,7 @@ fn missing(path: &Path, extension: &str) -> FileProblem {
         return FileProblem::new(
             format!("there is no folder {} to look for {name} in", folder.display()),
             home_help(path)
-                .or_else(|| Some("records are looked for relative to the scene's folder".to_owned())),
+                .or_else(|| Some("files are looked for relative to the scene's folder".to_owned())),
         );
     }
     let lower = name.to_lowercase();

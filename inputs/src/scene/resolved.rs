@@ -1,5 +1,7 @@
 //! A scene written back with every value and where it came from.
 
+mod volume;
+
 use std::fmt::Write as _;
 
 use serde::Serialize;
@@ -8,7 +10,7 @@ use toml::Value;
 use crate::motion::{Process, Quantity};
 
 use super::load::Written;
-use super::types::{Base, Component, DEFAULT_NU, Layer, Scene, Synthetic};
+use super::types::{Base, Component, DEFAULT_NU, Layer, Motion, Scene, Synthetic};
 use super::wavelet::Wavelet;
 
 /// A value that the program chose, for [`resolved_toml`].
@@ -36,10 +38,20 @@ pub fn resolved_toml(scene: &Scene, resolved: &[Resolved]) -> String {
     w.entry("", "version", &scene.version);
     w.entry("", "title", &scene.title);
     w.entry("", "accuracy", &scene.accuracy);
-    w.motion();
+    if let Some(domain) = &scene.domain {
+        w.domain(domain);
+    }
+    if let Some(motion) = &scene.motion {
+        w.motion(motion);
+    }
     w.soil();
+    w.materials();
+    w.sources();
     w.discretisation();
-    w.output();
+    match &scene.domain {
+        None => w.output(),
+        Some(_) => w.run_and_output(),
+    }
     w.rest();
     w.out
 }
@@ -109,8 +121,7 @@ impl Writer<'_> {
         true
     }
 
-    fn motion(&mut self) {
-        let m = &self.scene.motion;
+    fn motion(&mut self, m: &Motion) {
         self.header("[motion]");
         self.entry("motion", "kind", &m.kind);
         self.entry("motion", "quantity", &m.quantity);
@@ -191,8 +202,9 @@ impl Writer<'_> {
         for (i, layer) in soil.layer.iter().enumerate() {
             self.layer(i + 1, layer);
         }
+        let Some(base) = &soil.base else { return };
         self.header("[soil.base]");
-        match &soil.base {
+        match base {
             Base::Rigid => self.entry("soil.base", "kind", "rigid"),
             Base::Elastic { vs, rho, nu, vp } => {
                 self.entry("soil.base", "kind", "elastic");
@@ -214,16 +226,26 @@ impl Writer<'_> {
         self.entry(&section, "vs", &layer.vs);
         self.speeds(&section, layer.vp, layer.nu);
         self.entry(&section, "rho", &layer.rho);
-        match layer.q {
-            Some(q) => self.entry(&section, "q", &q),
-            None => self.entry(&section, "damping", &layer.damping_s()),
+        let values = (layer.damping_s(), layer.damping_p());
+        self.losses(&section, layer.q, (layer.damping_p, layer.q_p), values);
+    }
+
+    /// Damping as it is given; `values`: the ratios of shear and P waves that follow.
+    fn losses(
+        &mut self,
+        section: &str,
+        q: Option<f64>,
+        of_p: (Option<f64>, Option<f64>),
+        values: (f64, f64),
+    ) {
+        match q {
+            Some(q) => self.entry(section, "q", &q),
+            None => self.entry(section, "damping", &values.0),
         }
-        match (layer.damping_p, layer.q_p) {
-            (_, Some(q_p)) => self.entry(&section, "q_p", &q_p),
-            (Some(damping_p), None) => self.entry(&section, "damping_p", &damping_p),
-            (None, None) => {
-                self.entry_because(&section, "damping_p", &layer.damping_p(), "as for shear waves");
-            }
+        match of_p {
+            (_, Some(q_p)) => self.entry(section, "q_p", &q_p),
+            (Some(damping_p), None) => self.entry(section, "damping_p", &damping_p),
+            (None, None) => self.entry_because(section, "damping_p", &values.1, "as for shear waves"),
         }
     }
 
@@ -238,10 +260,18 @@ impl Writer<'_> {
         let d = &self.scene.discretisation;
         self.header("[discretisation]");
         self.entry("discretisation", "order", &d.order);
-        self.entry("discretisation", "elements", &d.elements);
+        let domain = self.scene.domain.as_ref();
+        if domain.is_none_or(|d| d.mesh.is_none()) {
+            self.entry("discretisation", "elements", &d.elements);
+        }
+        if let Some(domain) = domain {
+            self.discretisation_of(domain, d);
+        }
         self.entry("discretisation", "dt", &d.dt);
         self.entry("discretisation", "mechanisms", &d.mechanisms);
-        self.entry("discretisation", "tail", &d.tail);
+        if domain.is_none() {
+            self.entry("discretisation", "tail", &d.tail);
+        }
     }
 
     fn output(&mut self) {

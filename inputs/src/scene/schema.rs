@@ -67,6 +67,10 @@ Messages and `--set` write a key with points and count list entries from 1: `soi
 command line is checked like the file: `--set accuracy=1e-3 --set 'soil.layer[2].vs=300'`. Where only one of two keys
 may be given (`vp` or `nu`, `damping` or `q`, `factor` or `pga`), an override of one takes the place of the other.
 
+A scene without `[domain]` is a column of soil under a motion: `motion` and `soil` make it. With `[domain]` the ground
+has two or three dimensions and is moved by sources: `domain`, `soil` (or `material` for a mesh), `source` and `run`
+make it. What belongs to the one is refused in the other. Axes: x and y horizontal, z up, the flat surface at z = 0.
+
 This page is made from the program's own types.
 ";
 
@@ -124,7 +128,8 @@ impl<'s> Page<'s> {
     fn members(&self, schema: &'s Value) -> Vec<Member<'s>> {
         let schema = self.target(schema);
         let variants = choices(schema);
-        if variants.is_empty() {
+        // A table that has keys of its own says by its alternatives which of them go together.
+        if variants.is_empty() || schema.get("properties").is_some() {
             return self.own_members(schema, None);
         }
         let mut all: Vec<Member<'s>> = Vec::new();
@@ -276,6 +281,10 @@ impl<'s> Page<'s> {
             Some("integer") => "whole number".to_owned(),
             Some("boolean") => "`true` or `false`".to_owned(),
             Some("array") => self.array_text(schema),
+            Some("object") if schema.get("additionalProperties").is_some_and(Value::is_object) => {
+                let inner = schema.get("additionalProperties").map(|s| self.type_text(s));
+                format!("a table of names, each {}", inner.unwrap_or_default())
+            }
             Some("object") => {
                 let inner: Vec<String> = self
                     .members(schema)
@@ -292,6 +301,8 @@ impl<'s> Page<'s> {
         let entry = schema.get("items").map_or_else(|| "value".to_owned(), |i| self.type_text(i));
         let count = schema.get("maxItems").filter(|n| schema.get("minItems") == Some(n));
         match count {
+            // words are not put into the plural
+            _ if entry.ends_with('`') => format!("list of {entry}"),
             Some(n) => format!("list of {n} {entry}s"),
             None => format!("list of {entry}s"),
         }

@@ -7,6 +7,10 @@ use crate::motion::{Process, Quantity};
 use crate::records::{ResponseMode, Unit};
 
 use super::load::Source;
+use super::volume::{
+    Checkpoint, Domain, FieldOutput, Material, OutputQuantity, POINTS_TO, Precision, Run, SourceEntry,
+    SurfaceOutput, VolumeOutput,
+};
 use super::wavelet::Wavelet;
 
 /// A value that the program chooses unless the scene gives it: the word `"auto"` or the value itself.
@@ -37,9 +41,10 @@ impl<T> Auto<T> {
     }
 }
 
-/// A site-response scene: a motion, a layered soil over a half-space or a rigid base, and what to compute.
+/// A scene: a column of soil under a motion, or ground in two or three dimensions (`domain`) under sources.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("anyOf" = [{ "required": ["motion", "soil"] }, { "required": ["domain", "source", "run"] }]))]
 pub struct Scene {
     /// Version of this format.
     #[schemars(extend("const" = 1))]
@@ -52,10 +57,31 @@ pub struct Scene {
     #[serde(default = "default_accuracy")]
     #[schemars(extend("exclusiveMinimum" = ACCURACY_ABOVE, "maximum" = ACCURACY_TO, "x-unit" = "1"))]
     pub accuracy: f64,
-    /// The motion that drives the scene: at least one of the components x, y (horizontal) and z (up).
-    pub motion: Motion,
+    /// Ground in two or three dimensions, in place of a column.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "a column"))]
+    pub domain: Option<Domain>,
+    /// The motion that drives a column: at least one of the components x, y (horizontal) and z (up). A scene with
+    /// `domain` has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "required for a column"))]
+    pub motion: Option<Motion>,
     /// The ground, from the surface down.
+    #[serde(default)]
+    #[schemars(extend("x-default" = "required without `domain.mesh`"))]
     pub soil: Soil,
+    /// The mesh's materials; with `domain.mesh` only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("x-default" = "required with `domain.mesh`"))]
+    pub material: Vec<Material>,
+    /// What acts on the ground; with `domain` only.
+    #[serde(rename = "source", default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("x-default" = "required with `domain`"))]
+    pub source_entries: Vec<SourceEntry>,
+    /// How long to compute; with `domain` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "required with `domain`"))]
+    pub run: Option<Run>,
     /// Numerical choices; all may be left out.
     #[serde(default)]
     pub discretisation: Discretisation,
@@ -229,21 +255,24 @@ pub struct Synthetic {
     pub wavelet: Wavelet,
 }
 
-/// The ground.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// The ground in layers.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Soil {
     /// Frequency at which the layers' speeds hold; the causal damping law stiffens above it and softens below.
-    /// `"auto"` takes the geometric mean of the given
-    /// band, or of the band that accuracy 1e-2 would take.
+    /// `"auto"` takes the geometric mean of the given band, or of the band that accuracy 1e-2 would take.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "Hz"))]
     pub reference_frequency: Auto<f64>,
-    /// Layers from the surface down, 1 to 2000.
-    #[schemars(extend("minItems" = 1, "maxItems" = LAYERS_TO))]
+    /// Layers from the surface (of a `domain` z = 0) down, 1 to 2000; none for a `domain` with `depth`, which the base
+    /// then fills.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("minItems" = 1, "maxItems" = LAYERS_TO, "x-default" = "required for a column"))]
     pub layer: Vec<Layer>,
     /// What the layers stand on.
-    pub base: Base,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "required without `domain.mesh`"))]
+    pub base: Option<Base>,
 }
 
 /// One soil layer.
@@ -323,10 +352,28 @@ pub struct Discretisation {
     #[serde(default)]
     #[schemars(extend("minimum" = 1, "maximum" = 10, "x-unit" = "1"))]
     pub order: Auto<usize>,
-    /// Number of elements of each layer, from the surface down: one count of at least 1 per layer, at most 20000 in all.
+    /// Number of elements over each layer's thickness, from the surface down: one count of at least 1 per layer, at most
+    /// 20000 in all. A `domain` with `depth` has one more, for the base's material; a mesh has none.
     #[serde(default)]
     #[schemars(with = "Auto<Vec<std::num::NonZeroUsize>>", transform = limit_counts)]
     pub elements: Auto<Vec<usize>>,
+    /// Horizontal size of the elements of a box; it is made a little smaller where the box asks for it.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+    pub element_size: Auto<f64>,
+    /// Points of the elements to the shortest wavelength, vs/f_max, that the sizes are chosen for; with `domain` only.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 2.0, "maximum" = POINTS_TO, "x-unit" = "1"))]
+    pub points_per_wavelength: Auto<f64>,
+    /// Highest frequency that the sizes are chosen for; `"auto"` takes it from the sources. With `domain` only: a
+    /// column has its `motion.band`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "Hz"))]
+    pub f_max: Auto<f64>,
+    /// Number format of the computation, `"f32"` or `"f64"`; `"auto"` is `"f32"`. With `domain` only: a column is
+    /// computed in `"f64"`.
+    #[serde(default)]
+    pub precision: Auto<Precision>,
     /// Time step; it has to be stable, which the plan checks.
     #[serde(default)]
     #[schemars(extend("minimum" = DT_FROM, "x-unit" = "s"))]
@@ -335,7 +382,7 @@ pub struct Discretisation {
     #[serde(default)]
     #[schemars(extend("minimum" = 1, "maximum" = 12, "x-unit" = "1"))]
     pub mechanisms: Auto<usize>,
-    /// Time of free vibration to compute after the record's end.
+    /// Time of free vibration to compute after the record's end; for a column only.
     #[serde(default)]
     #[schemars(extend("minimum" = 0.0, "maximum" = TAIL_TO, "x-unit" = "s"))]
     pub tail: Auto<f64>,
@@ -357,24 +404,58 @@ fn limit_counts(schema: &mut schemars::Schema) {
 pub struct Output {
     /// Places whose motion is written and whose accuracy counts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-default" = "the surface, every layer's top and the base's top"))]
-    pub stations: Option<Vec<Station>>,
-    /// Spacing of the wave field over depth, at least a 2000th of the column's depth; `"none"` writes no field.
+    #[schemars(extend("x-default" = "of a column the surface, every layer's top and the base's top"))]
+    pub stations: Option<Vec<StationEntry>>,
+    /// Quantities that are written at every station of a `domain` that does not name its own; a column's stations have
+    /// displacement, velocity and acceleration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minItems" = 1, "x-default" = "displacement, velocity and acceleration"))]
+    pub quantities: Option<Vec<OutputQuantity>>,
+    /// Spacing of a column's wave field over depth, at least a 2000th of its depth; `"none"` writes no field. A
+    /// `domain` has `[output.field]`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
     pub field_spacing: FieldSpacing,
+    /// The motion of a boundary, in `surface.nc`; with `domain` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "not written"))]
+    pub surface: Option<SurfaceOutput>,
+    /// The motion of all points, in `volume.nc`; with `domain` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "not written"))]
+    pub volume: Option<VolumeOutput>,
+    /// The motion on a regular grid, in `field.nc`; with `domain` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "not written"))]
+    pub field: Option<FieldOutput>,
+    /// Checkpoints; with `domain` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "as its keys"))]
+    pub checkpoint: Option<Checkpoint>,
+    /// Writes surface and volume as VTKHDF too, for ParaView; with `domain` only.
+    #[serde(default)]
+    pub vtkhdf: bool,
 }
 
-/// A place whose motion is written.
+/// A place whose motion is written: of a column `depth` alone, of a `domain` `position`, or `position` and `depth`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Station {
-    /// Name, different for each station. `outcrop` is kept for the input; `surface` and `within` only name the
-    /// column's ends.
+pub struct StationEntry {
+    /// Name, different for each station. In a column `outcrop` is kept for the input, and `surface` and `within` only
+    /// name its ends.
     pub name: String,
-    /// Depth below the surface, from 0 to the column's depth.
-    #[schemars(extend("minimum" = 0.0, "x-unit" = "m"))]
-    pub depth: f64,
+    /// Place in a `domain`: x, y, z, or x, z at dimension 2; without the last number where `depth` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minItems" = 1, "maxItems" = 3, "x-unit" = "m", "x-default" = "required with `domain`"))]
+    pub position: Option<Vec<f64>>,
+    /// Depth below the surface, from 0 to the ground's depth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0.0, "x-unit" = "m", "x-default" = "required for a column"))]
+    pub depth: Option<f64>,
+    /// Quantities that are written here; with `domain` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minItems" = 1, "x-default" = "those of `output.quantities`"))]
+    pub quantities: Option<Vec<OutputQuantity>>,
 }
 
 /// Spacing of the wave field over depth.

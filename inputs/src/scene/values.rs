@@ -7,7 +7,9 @@ use serde::Serialize;
 use crate::motion::Quantity;
 use crate::records::{self, Response, ResponseMode, Unit};
 
-use super::types::{Base, Component, DEFAULT_NU, Layer, MotionKind, RecordFile, Scene, Station};
+use super::types::{
+    Band, Base, Component, DEFAULT_NU, Layer, Motion, MotionKind, RecordFile, Scene, StationEntry,
+};
 use super::wavelet::WaveletKind;
 
 /// An enum whose values are words of the scene file.
@@ -136,7 +138,7 @@ impl HalfSpace {
 }
 
 /// Both of (vp, ν) from whichever is given, ν = 0.25 from neither.
-fn speeds(vs: f64, vp: Option<f64>, nu: Option<f64>) -> (f64, f64) {
+pub(super) fn speeds(vs: f64, vp: Option<f64>, nu: Option<f64>) -> (f64, f64) {
     match (vp, nu) {
         (Some(vp), _) => (vp, nu_from_speeds(vs, vp)),
         (None, nu) => {
@@ -171,7 +173,38 @@ impl Base {
     }
 }
 
+/// A place of a column whose motion is written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Station {
+    /// Name.
+    pub name: String,
+    /// Depth below the surface, m.
+    pub depth: f64,
+}
+
+/// The motion of a scene that has none.
+static AT_REST: Motion = Motion {
+    kind: MotionKind::Outcrop,
+    quantity: Quantity::Acceleration,
+    band: Band::Auto,
+    process: Vec::new(),
+    accept_clipped: false,
+    x: None,
+    y: None,
+    z: None,
+};
+
 impl Scene {
+    /// The motion that drives the scene; one without components where the scene has none, as with a `domain`.
+    pub fn motion(&self) -> &Motion {
+        self.motion.as_ref().unwrap_or(&AT_REST)
+    }
+
+    /// The elastic half-space under the layers; `None` over a rigid base and for a mesh.
+    pub fn half_space(&self) -> Option<HalfSpace> {
+        self.soil.base.as_ref().and_then(Base::half_space)
+    }
+
     /// Layers from the surface down with their defaults filled in.
     pub fn layers(&self) -> Vec<LayerValues> {
         let mut top = 0.0;
@@ -194,15 +227,18 @@ impl Scene {
         layers
     }
 
-    /// Depth of the column, the sum of its layers' thicknesses, m.
+    /// Depth of the layers, the sum of their thicknesses, m: of a column all of it.
     pub fn depth(&self) -> f64 {
         self.soil.layer.iter().map(|l| l.thickness).sum()
     }
 
-    /// The given stations, or the surface, the top of every further layer and the top of the base.
+    /// Places of a column: the given stations, or the surface, the top of every further layer and the top of the base.
+    /// Those of a domain are [`Scene::sensors`].
     pub fn stations(&self) -> Vec<Station> {
         if let Some(given) = &self.output.stations {
-            return given.clone();
+            let station =
+                |e: &StationEntry| Station { name: e.name.clone(), depth: e.depth.unwrap_or_default() };
+            return given.iter().map(station).collect();
         }
         let layers = self.layers();
         let mut stations = vec![Station { name: "surface".to_owned(), depth: 0.0 }];
@@ -221,7 +257,8 @@ impl Scene {
 
     /// Components x, y, z of the motion.
     pub fn components(&self) -> [Option<&Component>; 3] {
-        [&self.motion.x, &self.motion.y, &self.motion.z].map(Option::as_ref)
+        let motion = self.motion();
+        [&motion.x, &motion.y, &motion.z].map(Option::as_ref)
     }
 
     /// Path of a record or of its metadata: relative to the scene's folder, `obspy:…` as it stands.

@@ -5,6 +5,8 @@ mod process;
 mod resolved;
 mod schema;
 mod validator;
+mod volume;
+mod volume_mistakes;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -126,11 +128,11 @@ fn a_good_scene_is_read_as_it_is_written() {
     assert!(scene.source.warnings.is_empty(), "{}", scene.source.warnings);
     assert_eq!(scene.title, "test");
     assert_eq!(scene.accuracy, 5e-3);
-    assert_eq!(scene.motion.kind, MotionKind::Within);
+    assert_eq!(scene.motion().kind, MotionKind::Within);
     let filter = Filter { f_min: Some(0.2), order: 2, ..Filter::default() };
-    assert_eq!(scene.motion.process, [Process::Filter(filter), Process::Scale(Scaling::Factor(2.0))]);
-    assert_eq!(scene.motion.band, Band::Range([0.2, 20.0]));
-    assert!(matches!(scene.motion.y, Some(Component::Synthetic(_))) && scene.motion.z.is_none());
+    assert_eq!(scene.motion().process, [Process::Filter(filter), Process::Scale(Scaling::Factor(2.0))]);
+    assert_eq!(scene.motion().band, Band::Range([0.2, 20.0]));
+    assert!(matches!(scene.motion().y, Some(Component::Synthetic(_))) && scene.motion().z.is_none());
     assert_eq!(scene.soil.reference_frequency, Auto::Value(2.0));
     assert_eq!(scene.discretisation.elements, Auto::Value(vec![2, 3]));
     let layers = scene.layers();
@@ -138,7 +140,7 @@ fn a_good_scene_is_read_as_it_is_written() {
     assert_eq!((layers[1].top, scene.depth()), (5.0, 15.0));
     assert_eq!((layers[1].damping, layers[1].damping_p, layers[0].damping_p), (0.02, 0.01, 0.02));
     assert!((layers[0].vp - 150.0 * 3.5f64.sqrt()).abs() < 1e-9);
-    let base = scene.soil.base.half_space().expect("an elastic base");
+    let base = scene.half_space().expect("an elastic base");
     assert_eq!(base.impedance()[0], 800.0 * 2200.0);
     assert!((base.vp - 800.0 * 3f64.sqrt()).abs() < 1e-9, "nu = 0.25 by default");
     assert_eq!(scene.source.written.get("soil.layer[2].vs"), Some(&Written::File(line_of(GOOD, "vs = 250"))));
@@ -181,9 +183,9 @@ fn overrides_are_applied_and_checked() {
     let layer = &scene.soil.layer[1];
     assert_eq!((layer.vs, layer.vp, layer.nu), (300.0, None, Some(0.4)), "nu takes the place of vp");
     assert_eq!(scene.soil.layer[0].damping_s(), 0.01);
-    assert_eq!(scene.motion.kind, MotionKind::Surface);
-    assert_eq!(scene.motion.band, Band::Full);
-    assert_eq!(scene.motion.process[1], Process::Scale(Scaling::Pga(3.5)), "pga takes the place of factor");
+    assert_eq!(scene.motion().kind, MotionKind::Surface);
+    assert_eq!(scene.motion().band, Band::Full);
+    assert_eq!(scene.motion().process[1], Process::Scale(Scaling::Pga(3.5)), "pga takes the place of factor");
     assert_eq!(scene.stations()[1].name, "deep");
     assert_eq!(scene.discretisation.elements, Auto::Value(vec![7, 3]));
     assert_eq!(scene.source.written.get("accuracy"), Some(&Written::Override));
@@ -229,12 +231,13 @@ proptest! {
     /// Whatever is done to a scene's bytes, the answer is a scene or findings whose lines are in the file.
     #[test]
     fn mutations_never_panic(
-        edits in prop::collection::vec((0usize..GOOD.len(), any::<u8>(), 0u8..4), 1..12),
-        cut in prop::option::of(0usize..GOOD.len()),
+        good in prop::sample::select(vec![GOOD, volume::BOX, volume::SECTION]),
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0u8..4), 1..12),
+        cut in prop::option::of(any::<prop::sample::Index>()),
     ) {
-        let mut bytes = GOOD.as_bytes().to_vec();
+        let mut bytes = good.as_bytes().to_vec();
         for (at, byte, how) in edits {
-            let at = at.min(bytes.len().saturating_sub(1));
+            let at = at.index(bytes.len());
             match how {
                 0 => bytes[at] = byte,
                 1 => bytes.insert(at, byte),
@@ -244,14 +247,14 @@ proptest! {
             }
         }
         if let Some(cut) = cut {
-            bytes.truncate(cut);
+            bytes.truncate(cut.index(good.len()));
         }
         let text = String::from_utf8_lossy(&bytes);
         let lines = text.lines().count() + 1;
-        match load(&text) {
+        match volume::load(&text) {
             Ok(scene) => {
                 let again = scene::resolved_toml(&scene, &[]);
-                prop_assert!(load(&again).is_ok(), "{}", again);
+                prop_assert!(volume::load(&again).is_ok(), "{}", again);
                 // What the reader takes, the schema takes.
                 let value: serde_json::Value = toml::from_str(&text).expect("TOML");
                 let schema = scene::schema();

@@ -464,7 +464,7 @@ fn records_are_looked_for_beside_the_scene() {
     };
     let scene =
         load_file("records/station.EW", "unit = \"g\"\nchannel = \"EW\"").unwrap_or_else(|e| panic!("{e}"));
-    let Some(Component::Record(record)) = &scene.motion.z else {
+    let Some(Component::Record(record)) = &scene.motion().z else {
         panic!("z is a record");
     };
     assert_eq!((record.unit, record.channel.as_deref()), (Some(Unit::G), Some("EW")));
@@ -496,7 +496,7 @@ fn records_are_looked_for_beside_the_scene() {
     refused("records/station.EW", more, &["scene.toml:14 motion.z.metadata: there is no file inventory.xml"]);
     fs::write(records.join("inventory.xml"), "data").expect("a file");
     let scene = load_file("records/station.EW", more).unwrap_or_else(|e| panic!("{e}"));
-    let Some(Component::Record(record)) = &scene.motion.z else {
+    let Some(Component::Record(record)) = &scene.motion().z else {
         panic!("z is a record");
     };
     let source = scene.source_of(record);

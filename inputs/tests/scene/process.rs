@@ -27,8 +27,8 @@ fn keys_have_places() {
     ] {
         assert_eq!(scene.source.place_of(key), place);
     }
-    assert!(!scene.motion.accept_clipped);
-    assert!(load(&with("# the components", "accept_clipped = true")).unwrap().motion.accept_clipped);
+    assert!(!scene.motion().accept_clipped);
+    assert!(load(&with("# the components", "accept_clipped = true")).unwrap().motion().accept_clipped);
     one_error(
         &with("# the components", "accept_clipped = 1"),
         &["10 motion.accept_clipped: expected true or"],

@@ -43,10 +43,10 @@ fn a_resolved_scene_loads_again_as_the_same_run() {
         .unwrap_or_else(|e| panic!("{e}\n{text}"));
     assert_eq!(again.layers(), scene.layers());
     assert_eq!(again.stations(), scene.stations());
-    assert_eq!(again.soil.base.half_space(), scene.soil.base.half_space());
+    assert_eq!(again.half_space(), scene.half_space());
     assert_eq!((again.accuracy, &again.title), (scene.accuracy, &scene.title));
-    assert_eq!(again.motion.x, scene.motion.x);
-    assert_eq!(again.motion.band, Band::Range([0.5, 15.25]));
+    assert_eq!(again.motion().x, scene.motion().x);
+    assert_eq!(again.motion().band, Band::Range([0.5, 15.25]));
     assert_eq!(again.discretisation.order, Auto::Value(5));
     assert_eq!(again.discretisation.elements, Auto::Value(vec![1, 2, 3]));
     assert_eq!(again.discretisation.tail, Auto::Auto);
@@ -76,12 +76,13 @@ fn a_resolved_scene_finds_its_records_from_another_folder() {
     let resolved = scene::resolved_toml(&scene, &[]);
     let again = scene::load_str(&resolved, "run/scene.resolved.toml", &[])
         .unwrap_or_else(|e| panic!("{e}\n{resolved}"));
-    let (Some(Component::Record(a)), Some(Component::Record(b))) = (&scene.motion.x, &again.motion.x) else {
+    let (Some(Component::Record(a)), Some(Component::Record(b))) = (&scene.motion().x, &again.motion().x)
+    else {
         panic!("records");
     };
     assert_eq!(scene.source_of(a), again.source_of(b));
-    assert_eq!(scene.motion.y, again.motion.y);
-    assert_eq!(scene.motion.process, again.motion.process);
+    assert_eq!(scene.motion().y, again.motion().y);
+    assert_eq!(scene.motion().process, again.motion().process);
     assert_eq!(scene.layers(), again.layers());
     assert_eq!(scene.discretisation, again.discretisation);
 }

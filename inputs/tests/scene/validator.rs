@@ -81,8 +81,14 @@ fn broken(
             let keys = rule.as_array().expect("keys").iter().filter_map(Value::as_str);
             !value.is_object() || keys.into_iter().all(|k| value.get(k).is_some())
         }
+        "additionalProperties" if rule.is_object() => {
+            for (key, inner) in value.as_object().into_iter().flatten() {
+                check(root, rule, inner, &format!("{at}.{key}"), found);
+            }
+            true
+        }
         "additionalProperties" => {
-            assert_eq!(rule, &Value::Bool(false), "only the closed form is used");
+            assert_eq!(rule, &Value::Bool(false), "closed, or of one kind");
             let known = words.get("properties").and_then(Value::as_object);
             let mut keys = value.as_object().into_iter().flat_map(|v| v.keys());
             keys.all(|k| known.is_some_and(|p| p.contains_key(k)))

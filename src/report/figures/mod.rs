@@ -8,6 +8,9 @@ mod profile;
 mod section;
 mod spectra;
 mod transfer;
+mod wave;
+mod wave_film;
+mod wave_maps;
 
 pub(super) use fourier::fourier;
 pub(super) use histories::{Behind, Motion, histories};
@@ -17,6 +20,8 @@ pub(super) use profile::profile;
 pub(super) use section::section;
 pub(super) use spectra::{ratio, response_spectra};
 pub(super) use transfer::{LawGap, law_gap, percent, transfer};
+pub(super) use wave_film::{Film, film};
+pub(super) use wave_maps::{distance_time, peak_maps, snapshots};
 
 use super::measure::TraceMeasures;
 use super::place::{self, Drawn};

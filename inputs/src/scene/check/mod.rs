@@ -1,11 +1,14 @@
 //! The checks: each section is read on its own, and whatever could be read is checked against the rest.
 
+mod domain;
 mod motion;
 mod output;
 mod process;
 mod process_fit;
 mod reader;
 mod soil;
+mod source;
+mod volume_output;
 
 pub(super) use process::step;
 pub(super) use reader::{Checker, Place};
@@ -13,7 +16,9 @@ pub(super) use reader::{Checker, Place};
 use super::diagnostic::listed;
 use super::document::{Table, Value};
 use super::load::Source;
-use super::types::{ACCURACY_ABOVE, ACCURACY_TO, MotionKind, Scene, default_accuracy, default_title};
+use super::types::{ACCURACY_ABOVE, ACCURACY_TO, Layer, MotionKind, Scene, default_accuracy, default_title};
+use super::volume::Material;
+use super::volume_values::BASE;
 use reader::{Bounds, Section};
 
 /// The only version of the format so far.
@@ -28,22 +33,62 @@ pub(super) fn scene(cx: &mut Checker<'_>, root: &Table) -> Option<Scene> {
         Some(_) => cx.text(&mut top, "title"),
     };
     let accuracy = accuracy(cx, &mut top);
-    let motion = motion::read(cx, &mut top);
-    let soil = soil::read(cx, &mut top);
-    let discretisation = output::discretisation(cx, &mut top, soil.layer_count, motion.synthetic);
-    let output = output::output(cx, &mut top, soil.depth);
+    let mut domain = domain::read(cx, &mut top);
+    let motion = motion(cx, &mut top, &domain);
+    let soil = soil::read(cx, &mut top, &domain);
+    if !domain.mesh {
+        domain.bottom = domain.depth.as_ref().map(|d| d.0).or(soil.depth);
+    }
+    let material = soil::materials(cx, &mut top, &domain);
+    let (layers, synthetic) = (soil.layer_count, motion.synthetic);
+    let discretisation = output::discretisation(cx, &mut top, layers, synthetic, &domain);
+    let run = source::run(cx, &mut top, domain.column());
+    let around = source::Around {
+        domain: &domain,
+        duration: run.flatten().map(|run| run.duration),
+        f_max: discretisation.as_ref().and_then(|d| d.f_max.value().copied()),
+    };
+    let source_entries = source::read(cx, &mut top, &around);
+    let names = names(&domain, &soil, material.as_deref());
+    let output = output::output(cx, &mut top, soil.depth, &domain, names.as_deref());
     kind_against_base(cx, &motion, &soil);
     cx.finish(&top);
+    let driven = motion.motion.is_some() || domain.given;
     Some(Scene {
         version: VERSION as u32,
         title: title?,
         accuracy: accuracy?,
-        motion: motion.motion?,
+        domain: if domain.given { Some(domain.domain?) } else { None },
+        motion: if driven { motion.motion } else { return None },
         soil: soil.soil?,
+        material: material?,
+        source_entries: source_entries?,
+        run: run?,
         discretisation: discretisation?,
         output: output?,
         source: Source::default(),
     })
+}
+
+/// `[motion]`: of a column required, of a domain refused.
+fn motion(cx: &mut Checker<'_>, top: &mut Section<'_>, domain: &domain::Read) -> motion::Read {
+    if domain.column() {
+        return motion::read(cx, top);
+    }
+    let message = "a motion drives a column; plane waves do not enter a domain yet";
+    cx.misplaced(top, &["motion"], message, "take it out and give [[source]], or take [domain] out");
+    motion::Read::default()
+}
+
+/// Names of the ground's materials, where all could be read.
+fn names(domain: &domain::Read, soil: &soil::Read, material: Option<&[Material]>) -> Option<Vec<String>> {
+    if domain.mesh {
+        return Some(material?.iter().map(|m| m.name.clone()).collect());
+    }
+    let layers = &soil.soil.as_ref()?.layer;
+    let named = |(i, l): (usize, &Layer)| l.name.clone().unwrap_or_else(|| format!("layer {}", i + 1));
+    let base = domain.continued.then(|| BASE.to_owned());
+    Some(layers.iter().enumerate().map(named).chain(base).collect())
 }
 
 fn version(cx: &mut Checker<'_>, top: &mut Section<'_>) {

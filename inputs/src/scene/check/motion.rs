@@ -11,6 +11,7 @@ use super::super::wavelet::{Wavelet, WaveletKind};
 use super::process;
 use super::process_fit::{self, Known};
 use super::reader::{Bounds, Checker, Place, Section};
+use super::source::cycles_of;
 
 /// Most samples of a wavelet: a day at 100 Hz.
 pub(super) const MAX_SAMPLES: f64 = 1e7;
@@ -290,7 +291,7 @@ fn pre_filter(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<[f64; 4
     None
 }
 
-fn file_name(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<String> {
+pub(super) fn file_name(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<String> {
     let file = cx.text_of(node, place.clone())?;
     match files::record(&cx.folder, file) {
         Ok(()) => Some(file.to_owned()),
@@ -316,15 +317,7 @@ fn wavelet_of(cx: &mut Checker<'_>, node: &Node, place: Place) -> Option<Wavelet
     let dt = cx.required_number(s, "dt", &Bounds::positive("s"));
     let duration = cx.required_number(s, "duration", &Bounds::positive("s"));
     let cycles = cx.number(s, "cycles", &Bounds::positive(""));
-    match kind {
-        Some(WaveletKind::SineBurst) if !s.has("cycles") => {
-            cx.missing(s, "cycles", "a sine_burst needs its number of periods, for instance cycles = 5");
-        }
-        Some(kind) if kind != WaveletKind::SineBurst && s.has("cycles") => {
-            cx.error(s.at("cycles"), format!("a {} pulse has no cycles", kind.as_str()), "take it out");
-        }
-        _ => {}
-    }
+    cycles_of(cx, s, kind.map(|k| (k == WaveletKind::SineBurst, k.as_str())));
     if amplitude == Some(0.0) {
         cx.error(
             s.at("amplitude"),
@@ -405,7 +398,7 @@ fn shape(cx: &mut Checker<'_>, s: &Section<'_>, w: &Wavelet) {
         );
         cx.warn(s.at("dt"), message, &format!("dt = {} s holds it", rounded(0.5 / reach)));
     }
-    let half = w.half_width();
+    let half = w.pulse().half_width();
     if w.time < half || w.duration - w.time < half {
         let message = format!(
             "the motion cuts the pulse, which lasts from {} s to {} s",

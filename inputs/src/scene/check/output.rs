@@ -1,18 +1,27 @@
-//! `[discretisation]` and `[output]`.
+//! `[discretisation]`, and of `[output]` the stations and what a column writes.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use super::super::diagnostic::{plain, rounded};
 use super::super::document::{Node, Value};
 use super::super::types::{
-    Auto, DT_FROM, Discretisation, ELEMENTS_TO, FIELD_INTERVALS_TO, FieldSpacing, Output, Station, TAIL_TO,
+    Auto, DT_FROM, Discretisation, ELEMENTS_TO, FIELD_INTERVALS_TO, FieldSpacing, Output, StationEntry,
+    TAIL_TO,
 };
+use super::super::volume::{POINTS_TO, Precision};
+use super::domain;
+use super::domain::coordinates;
 use super::motion::MAX_SAMPLES;
 use super::reader::{Bounds, Checker, Place, Section};
+use super::volume_output;
 
 pub(super) fn discretisation(
     cx: &mut Checker<'_>,
     top: &mut Section<'_>,
     layer_count: Option<usize>,
     synthetic: Option<(f64, f64)>,
+    domain: &domain::Read,
 ) -> Option<Discretisation> {
     if top.get("discretisation").is_none() {
         return Some(Discretisation::default());
@@ -20,7 +29,13 @@ pub(super) fn discretisation(
     let mut section = cx.table(top, "discretisation")?;
     let s = &mut section;
     let order = cx.auto_whole(s, "order", 1, 10);
-    let elements = elements(cx, s, layer_count);
+    let blocks = layer_count.map(|layers| layers + usize::from(domain.continued));
+    let elements = elements(cx, s, blocks, domain.continued);
+    let element_size = cx.auto_number(s, "element_size", &Bounds::positive("m"));
+    let bounds = Bounds::between(2.0, POINTS_TO, "");
+    let points_per_wavelength = cx.auto_number(s, "points_per_wavelength", &bounds);
+    let f_max = cx.auto_number(s, "f_max", &Bounds::positive("Hz"));
+    let precision = precision(cx, s);
     let dt = cx.auto_number(s, "dt", &Bounds::at_least(DT_FROM, "s"));
     let mechanisms = cx.auto_whole(s, "mechanisms", 1, 12);
     let tail = cx.auto_number(s, "tail", &Bounds::between(0.0, TAIL_TO, "s"));
@@ -31,14 +46,58 @@ pub(super) fn discretisation(
         let message = format!("motion and tail are {samples} samples, too many (limit {MAX_SAMPLES:e})");
         cx.error(s.at("tail"), message, "shorten the tail, or raise the wavelet's dt");
     }
+    if domain.column() {
+        let keys = ["element_size", "points_per_wavelength", "f_max", "precision"];
+        cx.misplaced(
+            s,
+            &keys,
+            "belongs to a scene with [domain]",
+            "take it out: a column has no such choice",
+        );
+    } else {
+        let help = "take it out; [run] has the duration";
+        cx.misplaced(s, &["tail"], "belongs to a column and its motion", help);
+    }
+    if domain.mesh {
+        let help = "take it out, or take `domain.mesh` out";
+        cx.misplaced(s, &["elements", "element_size"], "belongs to a box; a mesh has its own elements", help);
+    }
     cx.finish(s);
-    Some(Discretisation { order: order?, elements: elements?, dt: dt?, mechanisms: mechanisms?, tail: tail? })
+    Some(Discretisation {
+        order: order?,
+        elements: elements?,
+        element_size: element_size?,
+        points_per_wavelength: points_per_wavelength?,
+        f_max: f_max?,
+        precision: precision?,
+        dt: dt?,
+        mechanisms: mechanisms?,
+        tail: tail?,
+    })
+}
+
+fn precision(cx: &mut Checker<'_>, s: &mut Section<'_>) -> Option<Auto<Precision>> {
+    const WORDS: [&str; 3] = ["auto", "f32", "f64"];
+    let Some(node) = s.get("precision") else { return Some(Auto::Auto) };
+    match &node.value {
+        Value::String(word) if word == "auto" => Some(Auto::Auto),
+        Value::String(word) if !WORDS.contains(&word.as_str()) => {
+            cx.unknown_word(s.at("precision"), word, &WORDS, "");
+            None
+        }
+        Value::String(_) => cx.word::<Precision>(s, "precision").map(Auto::Value),
+        other => {
+            cx.wrong_type(s.at("precision"), other, "\"auto\", \"f32\" or \"f64\"", "");
+            None
+        }
+    }
 }
 
 fn elements(
     cx: &mut Checker<'_>,
     s: &mut Section<'_>,
     layer_count: Option<usize>,
+    continued: bool,
 ) -> Option<Auto<Vec<usize>>> {
     const EXPECTED: &str = "a list with one count per layer";
     cx.auto(s, "elements", EXPECTED, |cx, node, place| {
@@ -56,7 +115,12 @@ fn elements(
             .collect();
         if let Some(layers) = layer_count.filter(|n| *n != list.len()) {
             let message = format!("{} counts for {layers} layers; expected one per layer", list.len());
-            cx.error(place, message, "count the layers from the surface down; the base has no elements");
+            let help = if continued {
+                "count the layers from the surface down, and the base's material down to `domain.depth` as the last"
+            } else {
+                "count the layers from the surface down; the base has no elements"
+            };
+            cx.error(place, message, help);
             return None;
         }
         let counts: Vec<usize> = counts.into_iter().collect::<Option<_>>()?;
@@ -71,22 +135,55 @@ fn elements(
     })
 }
 
-pub(super) fn output(cx: &mut Checker<'_>, top: &mut Section<'_>, depth: Option<f64>) -> Option<Output> {
+pub(super) fn output(
+    cx: &mut Checker<'_>,
+    top: &mut Section<'_>,
+    depth: Option<f64>,
+    domain: &domain::Read,
+    materials: Option<&[String]>,
+) -> Option<Output> {
     if top.get("output").is_none() {
+        if !domain.column() {
+            nothing(cx, top.at("output"));
+        }
         return Some(Output::default());
     }
     let mut section = cx.table(top, "output")?;
     let s = &mut section;
+    let column = domain.column();
     let stations = match s.get("stations") {
         None => Some(None),
-        Some(node) => stations(cx, node, s.at("stations"), depth).map(Some),
+        Some(node) => stations(cx, node, s.at("stations"), depth, domain).map(Some),
     };
     let field_spacing = match s.get("field_spacing") {
         None => Some(FieldSpacing::default()),
-        Some(node) => field_spacing(cx, node, s.at("field_spacing"), depth),
+        Some(node) => field_spacing(cx, node, s.at("field_spacing"), depth.filter(|_| column)),
     };
+    let rest = volume_output::read(cx, s, domain, materials);
+    if column {
+        let keys = ["quantities", "surface", "volume", "field", "checkpoint", "vtkhdf"];
+        cx.misplaced(
+            s,
+            &keys,
+            "belongs to a scene with [domain]",
+            "take it out: a column has no such output",
+        );
+    } else {
+        let help = "write [output.field] with spacing";
+        cx.misplaced(s, &["field_spacing"], "belongs to a column", help);
+        let given = ["stations", "surface", "volume", "field"];
+        if !given.into_iter().any(|key| s.has(key)) {
+            nothing(cx, s.place.clone());
+        }
+    }
     cx.finish(s);
-    Some(Output { stations: stations?, field_spacing: field_spacing? })
+    Some(Output { stations: stations?, field_spacing: field_spacing?, ..rest? })
+}
+
+/// Warns of a run that would leave nothing to look at.
+fn nothing(cx: &mut Checker<'_>, place: Place) {
+    let help = "give output.stations, [output.surface], [output.volume] or [output.field]";
+    cx.warn(place, "nothing of the motion is written", help);
 }
 
 fn field_spacing(
@@ -125,10 +222,21 @@ fn field_spacing(
     }
 }
 
-fn stations(cx: &mut Checker<'_>, node: &Node, place: Place, depth: Option<f64>) -> Option<Vec<Station>> {
+/// A station as a scene shows it.
+fn example(column: bool) -> &'static str {
+    if column { "{ name = …, depth = … }" } else { "{ name = …, position = … }" }
+}
+
+fn stations(
+    cx: &mut Checker<'_>,
+    node: &Node,
+    place: Place,
+    depth: Option<f64>,
+    domain: &domain::Read,
+) -> Option<Vec<StationEntry>> {
     let Value::List(list) = &node.value else {
-        let expected = "a list of tables { name = …, depth = … }";
-        cx.wrong_type(place, &node.value, expected, "");
+        let expected = format!("a list of tables {}", example(domain.column()));
+        cx.wrong_type(place, &node.value, &expected, "");
         return None;
     };
     if list.is_empty() {
@@ -136,33 +244,37 @@ fn stations(cx: &mut Checker<'_>, node: &Node, place: Place, depth: Option<f64>)
         return None;
     }
     let mut all = Vec::with_capacity(list.len());
-    let mut names: Vec<(String, usize)> = Vec::new();
+    let mut names: HashMap<String, usize> = HashMap::new();
     for (i, node) in list.iter().enumerate() {
         let place = Place { path: format!("{}[{}]", place.path, i + 1), at: node.at };
-        let read = station(cx, node, place.clone(), depth);
-        if let Some(name) = &read.0 {
-            if let Some((_, first)) = names.iter().find(|(n, _)| n == name) {
+        let (name, entry) = station(cx, node, place.clone(), depth, domain);
+        match name.map(|name| names.entry(name)) {
+            Some(Entry::Occupied(first)) => {
                 let mut place = place;
                 place.path.push_str(".name");
-                let message = format!("{name:?} is the name of station {first} already");
+                let message = format!("{:?} is the name of station {} already", first.key(), first.get());
                 cx.error(place, message, "give each station a name of its own");
-            } else {
-                names.push((name.clone(), i + 1));
             }
+            Some(Entry::Vacant(free)) => {
+                free.insert(i + 1);
+            }
+            None => {}
         }
-        all.push(read);
+        all.push(entry);
     }
-    all.into_iter().map(|(name, depth)| Some(Station { name: name?, depth: depth? })).collect()
+    all.into_iter().collect()
 }
 
+/// A station, and its name even where the rest is wrong.
 fn station(
     cx: &mut Checker<'_>,
     node: &Node,
     place: Place,
     column: Option<f64>,
-) -> (Option<String>, Option<f64>) {
+    domain: &domain::Read,
+) -> (Option<String>, Option<StationEntry>) {
     let Value::Table(table) = &node.value else {
-        cx.wrong_type(place, &node.value, "a table { name = …, depth = … }", "");
+        cx.wrong_type(place, &node.value, &format!("a table {}", example(domain.column())), "");
         return (None, None);
     };
     let mut section = Section::new(table, place);
@@ -174,20 +286,44 @@ fn station(
         }
         Some(_) => cx.text(s, "name"),
     };
-    let depth = cx.required_number(s, "depth", &Bounds::at_least(0.0, "m"));
-    if let (Some(depth), Some(column)) = (depth, column) {
-        // The sum of the thicknesses carries round-off that its author does not see.
-        let slack = 1e-9 * column;
-        if depth > column + slack {
-            let message =
-                format!("{} m is below the column, which ends at {} m", plain(depth), rounded(column));
-            cx.error(s.at("depth"), message, "depth counts down from the surface and ends at the base's top");
+    let quantities = volume_output::quantities(cx, s);
+    let at = if domain.column() {
+        if let Some(node) = s.get("position") {
+            coordinates(cx, node, s.at("position"));
         }
-        reserved(cx, s, name.as_deref(), depth, column, slack);
-    }
+        let help = "take it out: a column's stations have a depth alone";
+        cx.misplaced(s, &["position", "quantities"], "belongs to a scene with [domain]", help);
+        depth_in_column(cx, s, name.as_deref(), column).map(|depth| (None, Some(depth)))
+    } else {
+        domain.place(cx, s, "position").map(|(position, depth)| (Some(position), depth))
+    };
     cx.finish(s);
-    let inside = depth.map(|d| column.map_or(d, |c| d.min(c)));
-    (name, inside)
+    let entry = match (&name, at, quantities) {
+        (Some(name), Some((position, depth)), Some(quantities)) => {
+            Some(StationEntry { name: name.clone(), position, depth, quantities })
+        }
+        _ => None,
+    };
+    (name, entry)
+}
+
+/// The depth of a column's station.
+fn depth_in_column(
+    cx: &mut Checker<'_>,
+    s: &mut Section<'_>,
+    name: Option<&str>,
+    column: Option<f64>,
+) -> Option<f64> {
+    let depth = cx.required_number(s, "depth", &Bounds::at_least(0.0, "m"))?;
+    let Some(column) = column else { return Some(depth) };
+    // The sum of the thicknesses carries round-off that its author does not see.
+    let slack = 1e-9 * column;
+    if depth > column + slack {
+        let message = format!("{} m is below the column, which ends at {} m", plain(depth), rounded(column));
+        cx.error(s.at("depth"), message, "depth counts down from the surface and ends at the base's top");
+    }
+    reserved(cx, s, name, depth, column, slack);
+    Some(depth.min(column))
 }
 
 /// Names that outputs give to places of their own.

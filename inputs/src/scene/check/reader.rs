@@ -63,6 +63,11 @@ impl<'n> Section<'n> {
         Place { path: join(&self.place.path, key), at: self.table.get(key).map_or(self.place.at, |n| n.at) }
     }
 
+    /// Every key with its value.
+    pub(super) fn entries(&self) -> impl Iterator<Item = (&'n str, &'n Node)> + use<'n> {
+        self.table.entries.iter().map(|(key, node)| (key.as_str(), node))
+    }
+
     /// Place of the entry `number` (from 1) of a list, or of a key in it where it is written there.
     pub(super) fn in_list(&self, list: &str, number: usize, key: &str) -> Place {
         let place = self.at(list);
@@ -151,6 +156,20 @@ impl Bounds {
     }
 }
 
+/// A list of tables, in words for messages.
+pub(super) struct Entries {
+    /// One of them, for instance `layer`.
+    pub(super) one: &'static str,
+    /// How it is written, for instance `[[soil.layer]]`.
+    pub(super) header: &'static str,
+    /// The most there may be.
+    pub(super) to: usize,
+    /// What to do where there is none.
+    pub(super) help: &'static str,
+    /// What to do where there are too many.
+    pub(super) fewer: &'static str,
+}
+
 impl<'t> Checker<'t> {
     pub(in super::super) fn new(file: &str, lines: &'t Lines<'t>, folder: &Path, broken: bool) -> Self {
         Self { file: file.to_owned(), lines, folder: folder.to_path_buf(), broken, found: Vec::new() }
@@ -231,6 +250,62 @@ impl<'t> Checker<'t> {
                 let path = place.path.clone();
                 self.wrong_type(place, other, "a table", &format!("write it as [{path}]"));
                 None
+            }
+        }
+    }
+
+    /// The nodes of a list of tables; at least one, and no more than there may be.
+    pub(super) fn entries<'n>(
+        &mut self,
+        section: &mut Section<'n>,
+        key: &'static str,
+        what: &Entries,
+    ) -> Option<&'n [Node]> {
+        let Some(node) = section.get(key) else {
+            self.missing(section, key, what.help);
+            return None;
+        };
+        let (place, one) = (section.at(key), what.one);
+        match &node.value {
+            Value::List(list) if list.is_empty() => {
+                self.error(place, format!("there is no {one}"), what.help);
+                None
+            }
+            Value::List(list) if list.len() > what.to => {
+                let message = format!("expected at most {} {one}s, found {}", what.to, list.len());
+                self.error(place, message, what.fewer);
+                None
+            }
+            Value::List(list) => Some(list),
+            Value::Table(_) => {
+                let message = format!("expected a list of {one}s, found a table");
+                let help = format!("write {} with two brackets, once per {one}", what.header);
+                self.error(place, message, &help);
+                None
+            }
+            other => {
+                self.wrong_type(place, other, &format!("a list of {one}s"), what.help);
+                None
+            }
+        }
+    }
+
+    /// Refuses keys that have no place here; those about which something was said already are passed over.
+    pub(super) fn misplaced(
+        &mut self,
+        section: &mut Section<'_>,
+        keys: &[&'static str],
+        message: &str,
+        help: &str,
+    ) {
+        for key in keys {
+            let place = section.at(key);
+            let said = |d: &Diagnostic| {
+                let rest = d.key_path.strip_prefix(&place.path);
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+            };
+            if section.get(key).is_some() && !self.found.iter().any(said) {
+                self.error(place, message, help);
             }
         }
     }
@@ -384,7 +459,11 @@ impl<'t> Checker<'t> {
     /// One of an enum's words.
     pub(super) fn word<T: Words>(&mut self, section: &mut Section<'_>, key: &'static str) -> Option<T> {
         let node = section.get(key)?;
-        let place = section.at(key);
+        self.word_of(node, section.at(key))
+    }
+
+    /// One of an enum's words, of a node.
+    pub(super) fn word_of<T: Words>(&mut self, node: &Node, place: Place) -> Option<T> {
         let words: Vec<&str> = T::WORDS.iter().map(|(w, _)| *w).collect();
         match &node.value {
             Value::String(s) => {
