@@ -125,6 +125,16 @@ pub enum SemError {
         /// Value found.
         value: f64,
     },
+    /// Too few points for a wave, or an error that is none.
+    #[error("{key} = {value}: the dispersion of a wave needs {range}")]
+    Dispersion {
+        /// Key.
+        key: &'static str,
+        /// Value found.
+        value: f64,
+        /// What it must be.
+        range: &'static str,
+    },
     /// Lists of a mesh that do not fit each other.
     #[error(
         "the mesh has {elements} elements and {nodes} nodes, and lists {found} element nodes where {expected} belong: give at least one element, all of its nodes, and fewer than 4.29e9 nodes"

@@ -264,7 +264,7 @@ pub(super) fn finish<T: Real>(model: &Model<T>, pass: Pass, block: &Block, own: 
             Pass::UnrelaxedForce => v.copy_from_slice(&f[..inner]),
             Pass::Energies => {}
         }
-        for (partial, f) in own.partial[c..].iter_mut().step_by(3).zip(&f[inner..]) {
+        for (partial, f) in own.partial.iter_mut().skip(c).step_by(3).zip(&f[inner..]) {
             *partial = *f;
         }
     }

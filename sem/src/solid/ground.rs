@@ -17,6 +17,10 @@ pub enum Support {
     Fixed,
     /// Displacement across the boundary is zero, tractions along it are: a plane of symmetry.
     Symmetry,
+    /// Displacement along the boundary is zero, traction across it is: a plane of antisymmetry, as for a double
+    /// couple $M_{xy}$ on the planes x = 0 and y = 0. For plane boundaries: where sides of different
+    /// directions meet, all components are held.
+    Antisymmetry,
     /// Dashpots $\rho v_p$ across and $\rho v_s$ along the boundary (Lysmer & Kuhlemeyer 1969): exact for
     /// plane waves that leave at right angles; a few per cent come back at 45°, all of it at grazing angles.
     Absorbing,
@@ -155,6 +159,9 @@ impl Ground {
                         (0..3).for_each(|c| held.hold(std::array::from_fn(|x| f64::from(x == c))));
                     }
                     Support::Symmetry => held.hold(n),
+                    Support::Antisymmetry => (0..3).for_each(|c| {
+                        held.hold(std::array::from_fn(|x| f64::from(x == c) - n[c] * n[x]));
+                    }),
                     _ => {
                         let (across, along) = (material.rho * material.vp, material.rho * material.vs);
                         for (i, row) in held.dashpot.iter_mut().enumerate() {

@@ -369,7 +369,7 @@ fn step_arm<T: Real, S: Simd, const K: usize>(
 ) {
     let [gain, rate, lambda, mu, inverse_decay] = *arm;
     let zero = ops.splat(T::default());
-    let (mut own, mut both, mut before) = ([zero; 6], [zero; 6], [zero; 6]);
+    let (mut own, mut before) = ([zero; 6], [zero; 6]);
     let mut slot = 0;
     for c in 0..6 {
         if K == 1 && c == 1 {
@@ -378,19 +378,19 @@ fn step_arm<T: Real, S: Simd, const K: usize>(
         own[c] = ops.mul(gain, ops.sub(e[c], dashpot[slot]));
         // the kick before: (e − g Δε)/d
         before[c] = ops.mul(inverse_decay, ops.sub(own[c], ops.mul(gain, increment[c])));
-        both[c] = ops.add(own[c], before[c]);
         if advance {
             dashpot[slot] = ops.fma(rate, own[c], dashpot[slot]);
         }
         slot += 1;
     }
     let part = stress::<T, S>(ops, lambda, mu, &own);
+    let mut both = own;
     for c in 0..6 {
         s[c] = ops.add(s[c], part[c]);
+        both[c] = ops.add(own[c], before[c]);
     }
     // 2x = ω Δt; a mean's square is a quarter of a sum's, which the caller takes
-    let twice = stress::<T, S>(ops, lambda, mu, &both);
-    books.loss = ops.fma(rate, work_of::<T, S>(ops, &twice, &both), books.loss);
+    books.loss = ops.fma(rate, square::<T, S>(ops, lambda, mu, &both), books.loss);
     if !advance {
         let mut change = own;
         for c in 0..6 {
@@ -399,8 +399,24 @@ fn step_arm<T: Real, S: Simd, const K: usize>(
         // twice the energy: e⁺·σ(e⁻) − (ωΔt/4)(e⁺·σ(e⁺) − e⁻·σ(e⁻)), the last by (a+b)·σ(a−b)
         books.strain = ops.add(books.strain, work_of::<T, S>(ops, &part, &before));
         let quarter = ops.mul(ops.splat(T::of(-0.25)), rate);
+        let twice = stress::<T, S>(ops, lambda, mu, &both);
         books.strain = ops.fma(quarter, work_of::<T, S>(ops, &twice, &change), books.strain);
     }
+}
+
+/// $\sigma(e):e = \lambda\,\mathrm{tr}^2 + 2\mu\,e{:}e$, shear strains being twice the tensor's.
+#[inline(always)]
+fn square<T: Real, S: Simd>(
+    ops: Ops<T, S>,
+    lambda: T::Vector<S>,
+    mu: T::Vector<S>,
+    e: &[T::Vector<S>; 6],
+) -> T::Vector<S> {
+    let trace = ops.add(ops.add(e[0], e[1]), e[2]);
+    let axial = ops.fma(e[2], e[2], ops.fma(e[1], e[1], ops.mul(e[0], e[0])));
+    let shear = ops.fma(e[5], e[5], ops.fma(e[4], e[4], ops.mul(e[3], e[3])));
+    let tensor = ops.add(ops.add(axial, axial), shear);
+    ops.fma(mu, tensor, ops.mul(ops.mul(lambda, trace), trace))
 }
 
 /// Where a plane's metric is.

@@ -8,6 +8,7 @@
 //! - [`Ground`]: mesh, materials, supports and loads, assembled once;
 //! - [`Solid`]: the same in one precision, with a step, ready to run, as a subdomain of `coupling`;
 //! - [`Metric`]: how much of an element's geometry is kept;
+//! - [`dispersion`]: how many points a wavelength needs;
 //! - [`reference`]: the internal force by its formula, slow and clear, for parity tests.
 //!
 //! Time: drift–kick–drift ([`hati_coupling::central_difference`]); kick $n$ falls on $t = n\Delta t$, loads are taken
@@ -16,18 +17,25 @@
 //! Energy, exact for the discrete scheme, is that of [`crate::column`], with $\varepsilon$ the strain tensor.
 
 mod block;
+mod cost;
+pub mod dispersion;
+mod gauge;
 mod geometry;
 mod ground;
 mod kernel;
 mod layout;
+pub mod limits;
 mod material;
 mod model;
 mod portable;
 mod real;
 pub mod reference;
+mod state;
 mod step;
 mod watch;
 
+pub use cost::Cost;
+pub use gauge::{Gauge, Tensors};
 pub use geometry::Metric;
 pub use ground::{Ground, Load, Probe, Support};
 pub use material::Material;

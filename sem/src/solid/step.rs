@@ -93,6 +93,11 @@ fn dispatch<W: WithSimd<Output = ()>>(leaf: W) {
     let _ = leaf;
 }
 
+/// Runs work on the widest vectors, or on none.
+pub(super) fn dispatch_or_scalar<W: WithSimd>(work: W) -> W::Output {
+    Arch::new().dispatch(work)
+}
+
 struct Blocks<'a, T: Real> {
     model: &'a Model<T>,
     pass: Pass,
@@ -204,32 +209,47 @@ impl<T: Real> Shared<'_, T> {
 
     fn points(&self, first: usize, x: &mut [T], v: &mut [T]) -> Exchange {
         let layout = &self.model.layout;
-        let mut exchange = Exchange::default();
-        let points = x.as_chunks_mut::<3>().0.iter_mut().zip(v.as_chunks_mut::<3>().0);
-        for (i, (x, v)) in (first..).zip(points) {
-            let entries = layout.sums_start[i] as usize..layout.sums_start[i + 1] as usize;
-            let mut f = [T::default(); 3];
-            for &entry in &layout.sums[entries] {
-                for (c, f) in f.iter_mut().enumerate() {
-                    *f += self.partial[3 * entry as usize + c];
-                }
+        let count = x.len() / 3;
+        let plain = (layout.special - layout.shared).saturating_sub(first).min(count);
+        let starts = &layout.sums_start[first..=first + count];
+        let (x, v) = (x.as_chunks_mut::<3>().0, v.as_chunks_mut::<3>().0);
+        if self.pass == Pass::UnrelaxedForce {
+            for (v, range) in v.iter_mut().zip(starts.windows(2)) {
+                *v = self.sum(range);
             }
-            if self.pass == Pass::UnrelaxedForce {
-                *v = f;
-                continue;
-            }
-            let number = layout.shared + i;
-            if number < layout.special {
-                let m = self.model.dt_over_mass[number];
-                for c in 0..3 {
-                    v[c] = kick(v[c], T::default() - f[c], m);
-                    x[c] = drift(x[c], v[c], self.model.dt);
-                }
-            } else {
-                self.special(number - layout.special, f, x, v, &mut exchange);
+            return Exchange::default();
+        }
+        let dt_over_mass = &self.model.dt_over_mass[layout.shared + first..];
+        let (dt, zero) = (self.model.dt, T::default());
+        for (((x, v), range), m) in
+            x[..plain].iter_mut().zip(&mut v[..plain]).zip(starts.windows(2)).zip(dt_over_mass)
+        {
+            let f = self.sum(range);
+            for c in 0..3 {
+                v[c] = kick(v[c], zero - f[c], *m);
+                x[c] = drift(x[c], v[c], dt);
             }
         }
+        let mut exchange = Exchange::default();
+        for (i, (x, v)) in x.iter_mut().zip(v).enumerate().skip(plain) {
+            let f = self.sum(&starts[i..i + 2]);
+            self.special(layout.shared + first + i - layout.special, f, x, v, &mut exchange);
+        }
         exchange
+    }
+
+    /// What the blocks left for a shared point; `range` is the first of its entries and the one behind.
+    #[inline(always)]
+    fn sum(&self, range: &[u32]) -> [T; 3] {
+        let partial = self.partial.as_chunks::<3>().0;
+        let mut f = [T::default(); 3];
+        for &entry in &self.model.layout.sums[range[0] as usize..range[1] as usize] {
+            let part = &partial[entry as usize];
+            for c in 0..3 {
+                f[c] += part[c];
+            }
+        }
+        f
     }
 
     fn special(&self, i: usize, f: [T; 3], x: &mut [T; 3], v: &mut [T; 3], exchange: &mut Exchange) {

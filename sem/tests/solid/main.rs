@@ -1,7 +1,9 @@
 //! The solid of D = 2 and 3 against its reference and its own invariants.
 
+mod gauge;
 mod ledger;
 mod parity;
+mod state;
 
 use hati_sem::mesh::{BoxLayer, LayeredBox, Mesh};
 use hati_sem::solid::Material;

@@ -1,0 +1,66 @@
+//! What the machine allows: bandwidth and arithmetic on one core, measured with the kernel's own vectors.
+
+use super::real::Real;
+use super::step;
+use crate::aligned::Aligned;
+use pulp::{Simd, WithSimd};
+use std::time::Instant;
+
+/// Bandwidth of the triad $a_i = b_i + s\,c_i$ on arrays of `numbers` numbers, B/s: best of `repeats`.
+///
+/// Three transfers per number are counted, as STREAM does; the write's own fetch is not.
+pub fn triad_bandwidth<T: Real>(numbers: usize, repeats: usize) -> f64 {
+    struct Triad<'a, T>(&'a mut [T], &'a [T], &'a [T]);
+    impl<T: Real> WithSimd for Triad<'_, T> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let scale = T::of(1.5);
+            for ((a, b), c) in self.0.iter_mut().zip(self.1).zip(self.2) {
+                *a = *b + scale * *c;
+            }
+        }
+    }
+    let (mut a, b) = (Aligned::<T>::zeros(numbers), (0..numbers).map(|i| T::of(i as f64)).collect::<Aligned<T>>());
+    let c: Aligned<T> = (0..numbers).map(|i| T::of(0.5 * i as f64)).collect();
+    let bytes = (3 * numbers * size_of::<T>()) as f64;
+    let best = (0..repeats)
+        .map(|_| {
+            let start = Instant::now();
+            step::dispatch_or_scalar(Triad(&mut a, &b, &c));
+            start.elapsed().as_secs_f64()
+        })
+        .fold(f64::INFINITY, f64::min);
+    std::hint::black_box(&a[numbers / 2]);
+    bytes / best
+}
+
+/// Fused multiply–adds that one core finishes, flop/s (two a lane): ten independent chains, best of `repeats`.
+pub fn fma_peak<T: Real>(repeats: usize) -> f64 {
+    const CHAINS: usize = 10;
+    const ROUNDS: usize = 200_000;
+    struct Chains<T>(std::marker::PhantomData<T>);
+    impl<T: Real> WithSimd for Chains<T> {
+        type Output = (usize, f64);
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> (usize, f64) {
+            let (factor, term) = (T::splat(simd, T::of(0.999)), T::splat(simd, T::of(1e-3)));
+            let mut sums = [T::splat(simd, T::of(1.0)); CHAINS];
+            for _ in 0..ROUNDS {
+                for sum in &mut sums {
+                    *sum = T::fma(simd, *sum, factor, term);
+                }
+            }
+            let lanes: &[T] = bytemuck::cast_slice(&sums);
+            (T::lanes::<S>(), lanes.iter().map(|x| x.f64()).sum())
+        }
+    }
+    (0..repeats)
+        .map(|_| {
+            let start = Instant::now();
+            let (lanes, sum) = step::dispatch_or_scalar(Chains::<T>(std::marker::PhantomData));
+            std::hint::black_box(sum);
+            (2 * CHAINS * ROUNDS * lanes) as f64 / start.elapsed().as_secs_f64()
+        })
+        .fold(0.0, f64::max)
+}
