@@ -1,12 +1,12 @@
 //! The energy ledger: every line summed from its own forces and velocities, none by difference.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Energies of a subdomain at the end of a step, J (J/m² for a column of unit plan area).
 ///
 /// `input`, `viscous` and `outflow` are cumulative from the start of the run; the discrete balance is
 /// `input + initial = kinetic + strain + viscous + outflow`.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Energy received: incident waves, imposed motion, applied forces.
     pub input: f64,
@@ -33,7 +33,7 @@ impl Energies {
 }
 
 /// Follows the balance of a run and keeps its closing error.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Ledger {
     initial: f64,
     residual_max: f64,
