@@ -1,7 +1,7 @@
 //! One block's part of a step: gather, internal force, scatter, and the step of its inner points.
 
 use super::geometry::MetricLanes;
-use super::kernel::{ArmLanes, Arms, Basis, BatchBooks, Work, internal_force, splat_matrix};
+use super::kernel::{ARM_NUMBERS, ArmLanes, Arms, Basis, BatchBooks, Cube, Work, internal_force, splat_matrix};
 use super::layout::Block;
 use super::model::Model;
 use super::portable::Element;
@@ -172,21 +172,9 @@ fn forces<T: Real, S: Simd, const P: usize, const K: usize, const MEMORY: bool>(
     let mut books = BatchBooks { loss: zero, strain: zero };
     for (index, batch) in block.batches.clone().enumerate() {
         let local = &model.layout.local[batch * points * lanes..(batch + 1) * points * lanes];
-        let x = addressed(&scratch.x);
-        for c in 0..3 {
-            let to: &mut [T] = cast_slice_mut(work.u[c].as_flattened_mut().as_flattened_mut());
-            for (to, &i) in to.iter_mut().zip(local) {
-                *to = x[c][usize::from(i)];
-            }
-        }
+        gather_batch(local, addressed(&scratch.x), work.u.each_mut().map(flat_mut::<T, _, P, K>));
         if MEMORY || pass == Pass::Energies {
-            let v = addressed(&scratch.v);
-            for c in 0..3 {
-                let to: &mut [T] = cast_slice_mut(work.v[c].as_flattened_mut().as_flattened_mut());
-                for (to, &i) in to.iter_mut().zip(local) {
-                    *to = v[c][usize::from(i)];
-                }
-            }
+            gather_batch(local, addressed(&scratch.v), work.v.each_mut().map(flat_mut::<T, _, P, K>));
         }
         let first = block.metric_start + index * per_batch;
         let values = cast_slice(&model.metric[first..first + per_batch]);
@@ -216,13 +204,8 @@ fn forces<T: Real, S: Simd, const P: usize, const K: usize, const MEMORY: bool>(
         if pass == Pass::Energies {
             continue;
         }
-        let f = addressed_mut(&mut scratch.f);
-        for c in 0..3 {
-            let from: &[T] = cast_slice(work.f[c].as_flattened().as_flattened());
-            for (from, &i) in from.iter().zip(local) {
-                f[c][usize::from(i)] += *from;
-            }
-        }
+        let f = work.f.each_ref().map(|f| cast_slice(f.as_flattened().as_flattened()));
+        scatter_batch(local, f, addressed_mut(&mut scratch.f));
     }
     let loss = 0.25 * sum_of_lanes::<T, S>(books.loss);
     if pass == Pass::Energies {
@@ -234,6 +217,38 @@ fn forces<T: Real, S: Simd, const P: usize, const K: usize, const MEMORY: bool>(
     }
 }
 
+/// Numbers of one component of a batch, `[point][lane]`.
+#[inline(always)]
+fn flat_mut<T: Real, V: bytemuck::Pod, const P: usize, const K: usize>(cube: &mut Cube<V, P, K>) -> &mut [T] {
+    cast_slice_mut(cube.as_flattened_mut().as_flattened_mut())
+}
+
+/// Takes a batch's numbers from the block, the three components of a point at a time.
+#[inline(always)]
+fn gather_batch<T: Real>(local: &[u16], from: [&Addressed<T>; 3], to: [&mut [T]; 3]) {
+    let [a, b, c] = to;
+    let (a, b, c) = (&mut a[..local.len()], &mut b[..local.len()], &mut c[..local.len()]);
+    for (q, &i) in local.iter().enumerate() {
+        let i = usize::from(i);
+        a[q] = from[0][i];
+        b[q] = from[1][i];
+        c[q] = from[2][i];
+    }
+}
+
+/// Adds a batch's forces to the block.
+#[inline(always)]
+fn scatter_batch<T: Real>(local: &[u16], from: [&[T]; 3], to: [&mut Addressed<T>; 3]) {
+    let [a, b, c] = from.map(|f| &f[..local.len()]);
+    let [x, y, z] = to;
+    for (q, &i) in local.iter().enumerate() {
+        let i = usize::from(i);
+        x[i] += a[q];
+        y[i] += b[q];
+        z[i] += c[q];
+    }
+}
+
 #[inline(always)]
 fn sum_of_lanes<T: Real, S: Simd>(vector: T::Vector<S>) -> f64 {
     let lanes: &[T] = cast_slice(std::slice::from_ref(&vector));
@@ -242,7 +257,7 @@ fn sum_of_lanes<T: Real, S: Simd>(vector: T::Vector<S>) -> f64 {
 
 #[inline(always)]
 fn arm_lanes<T: Real, S: Simd>(model: &Model<T>, batch: usize) -> &[ArmLanes<T::Vector<S>>] {
-    let size = model.arms * 5 * T::lanes::<S>();
+    let size = model.arms * ARM_NUMBERS * T::lanes::<S>();
     cast_slice(&model.arm_lanes[batch * size..(batch + 1) * size])
 }
 

@@ -18,6 +18,7 @@
 
 use super::geometry::{Metric, MetricLanes};
 use super::real::Real;
+use crate::prefetch::prefetch;
 use pulp::Simd;
 
 /// Values at the points of one batch, `[ζ][η][ξ]`.
@@ -72,11 +73,12 @@ pub(super) struct Arms<'a, V> {
 }
 
 /// One arm of a batch's materials, a lane an element: $g = 1/(1+x)$; $2x$; $\lambda_l$ and $\mu_l$, Pa; and
-/// $1/d$ with $d = (1-x)/(1+x)$, which takes the arm's strain back to the kick before.
+/// $1 + 1/d$ and $g/d$ with $d = (1-x)/(1+x)$, which take the arm's strain back to the kick before:
+/// $e + e^- = (1 + 1/d)\,e - (g/d)\,\Delta\varepsilon$.
 pub(super) type ArmLanes<V> = [V; ARM_NUMBERS];
 
 /// Numbers of an arm.
-pub(super) const ARM_NUMBERS: usize = 5;
+pub(super) const ARM_NUMBERS: usize = 6;
 
 /// Number of strain components that are not zero: all six, or all but $\varepsilon_{yy}$ of a section.
 pub(super) const fn strain_components(planes: usize) -> usize {
@@ -284,6 +286,10 @@ pub(super) fn internal_force<T: Real, S: Simd, const P: usize, const K: usize, c
                     row_derivatives::<T, S, P, K>(ops, d, &work.v[c], k, j, &mut rates[c]);
                 }
             }
+            if MEMORY {
+                let next = (k * P + j + 1) * P * stride;
+                prefetch(arms.dashpot, next, next + P * stride);
+            }
             for i in 0..P {
                 let b = match source {
                     Source::Plane => &work.metric[j][i],
@@ -367,40 +373,38 @@ fn step_arm<T: Real, S: Simd, const K: usize>(
     s: &mut [T::Vector<S>; 6],
     books: &mut BatchBooks<T::Vector<S>>,
 ) {
-    let [gain, rate, lambda, mu, inverse_decay] = *arm;
+    let [gain, rate, lambda, mu, twice, back] = *arm;
     let zero = ops.splat(T::default());
-    let (mut own, mut before) = ([zero; 6], [zero; 6]);
+    let (mut own, mut both) = ([zero; 6], [zero; 6]);
     let mut slot = 0;
     for c in 0..6 {
         if K == 1 && c == 1 {
             continue;
         }
         own[c] = ops.mul(gain, ops.sub(e[c], dashpot[slot]));
-        // the kick before: (e − g Δε)/d
-        before[c] = ops.mul(inverse_decay, ops.sub(own[c], ops.mul(gain, increment[c])));
+        both[c] = ops.sub(ops.mul(twice, own[c]), ops.mul(back, increment[c]));
         if advance {
             dashpot[slot] = ops.fma(rate, own[c], dashpot[slot]);
         }
         slot += 1;
     }
     let part = stress::<T, S>(ops, lambda, mu, &own);
-    let mut both = own;
     for c in 0..6 {
         s[c] = ops.add(s[c], part[c]);
-        both[c] = ops.add(own[c], before[c]);
     }
     // 2x = ω Δt; a mean's square is a quarter of a sum's, which the caller takes
     books.loss = ops.fma(rate, square::<T, S>(ops, lambda, mu, &both), books.loss);
     if !advance {
-        let mut change = own;
+        let (mut change, mut before) = (own, own);
         for c in 0..6 {
+            before[c] = ops.sub(both[c], own[c]);
             change[c] = ops.sub(own[c], before[c]);
         }
         // twice the energy: e⁺·σ(e⁻) − (ωΔt/4)(e⁺·σ(e⁺) − e⁻·σ(e⁻)), the last by (a+b)·σ(a−b)
         books.strain = ops.add(books.strain, work_of::<T, S>(ops, &part, &before));
         let quarter = ops.mul(ops.splat(T::of(-0.25)), rate);
-        let twice = stress::<T, S>(ops, lambda, mu, &both);
-        books.strain = ops.fma(quarter, work_of::<T, S>(ops, &twice, &change), books.strain);
+        let of_both = stress::<T, S>(ops, lambda, mu, &both);
+        books.strain = ops.fma(quarter, work_of::<T, S>(ops, &of_both, &change), books.strain);
     }
 }
 

@@ -189,14 +189,14 @@ fn arm_lanes<T: Real>(ground: &Ground, layout: &Layout, arms: usize, dt: f64) ->
     for (i, &e) in layout.element.iter().enumerate() {
         let (batch, lane) = (i / lanes, i % lanes);
         for l in 0..arms {
-            let mut own = [1.0, 0.0, 0.0, 0.0, 1.0];
+            let mut own = [1.0, 0.0, 0.0, 0.0, 2.0, 1.0];
             if e != NO_ELEMENT && let Some(omega) = ground.material(e as usize).omega().get(l) {
                 let x = 0.5 * omega * dt;
                 let (lambda, mu) = ground.material(e as usize).arm(l);
                 // an arm faster than the step has d = 0: the ledger then books its loss by a neighbour of d
                 let decay = if (1.0 - x).abs() < 1e-3 { 1e-3 } else { 1.0 - x } / (1.0 + x);
-                own = [1.0 / (1.0 + x), 2.0 * x, lambda, mu, 1.0 / decay];
-                // the stress takes moduli of the arm's own strain
+                let gain = 1.0 / (1.0 + x);
+                own = [gain, 2.0 * x, lambda, mu, 1.0 + 1.0 / decay, gain / decay];
             }
             for (k, value) in own.iter().enumerate() {
                 numbers[((batch * arms + l) * ARM_NUMBERS + k) * lanes + lane] = T::of(*value);

@@ -250,7 +250,7 @@ fn element<T: Real>(
 
 /// One arm at one point: what its dashpot took up, and twice its energy where it does not advance.
 fn step_arm<T: Real>(
-    [gain, rate, lambda, mu, inverse_decay]: &[T; ARM_NUMBERS],
+    [gain, rate, lambda, mu, twice, back]: &[T; ARM_NUMBERS],
     advance: bool,
     e: &[T; 6],
     increment: &[T; 6],
@@ -261,7 +261,7 @@ fn step_arm<T: Real>(
     let (mut own, mut before) = ([T::default(); 6], [T::default(); 6]);
     for (slot, c) in (0..6).filter(|c| !(section && *c == 1)).enumerate() {
         own[c] = *gain * (e[c] - dashpot[slot]);
-        before[c] = *inverse_decay * (own[c] - *gain * increment[c]);
+        before[c] = (*twice * own[c] - *back * increment[c]) - own[c];
         if advance {
             dashpot[slot] += *rate * own[c];
         }
