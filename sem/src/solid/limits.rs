@@ -21,7 +21,8 @@ pub fn triad_bandwidth<T: Real>(numbers: usize, repeats: usize) -> f64 {
             }
         }
     }
-    let (mut a, b) = (Aligned::<T>::zeros(numbers), (0..numbers).map(|i| T::of(i as f64)).collect::<Aligned<T>>());
+    let (mut a, b) =
+        (Aligned::<T>::zeros(numbers), (0..numbers).map(|i| T::of(i as f64)).collect::<Aligned<T>>());
     let c: Aligned<T> = (0..numbers).map(|i| T::of(0.5 * i as f64)).collect();
     let bytes = (3 * numbers * size_of::<T>()) as f64;
     let best = (0..repeats)
@@ -44,8 +45,13 @@ pub fn fma_peak<T: Real>(repeats: usize) -> f64 {
         type Output = (usize, f64);
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> (usize, f64) {
-            let (factor, term) = (T::splat(simd, T::of(0.999)), T::splat(simd, T::of(1e-3)));
-            let mut sums = [T::splat(simd, T::of(1.0)); CHAINS];
+            // hidden from the compiler, which would otherwise work the chains out itself
+            let [factor, term, start] = std::hint::black_box([0.999, 1e-3, 1.0]);
+            let (factor, term) = (T::splat(simd, T::of(factor)), T::splat(simd, T::of(term)));
+            let mut sums = [T::splat(simd, T::of(start)); CHAINS];
+            for (i, sum) in sums.iter_mut().enumerate() {
+                *sum = T::plus(simd, *sum, T::splat(simd, T::of(i as f64)));
+            }
             for _ in 0..ROUNDS {
                 for sum in &mut sums {
                     *sum = T::fma(simd, *sum, factor, term);

@@ -1,0 +1,292 @@
+//! Throughput of the solid's whole time loop, with its share of what the machine allows.
+//!
+//! ```text
+//! cargo bench --bench throughput -- [--elements 32] [--order 4] [--only f32] [--save benches/results]
+//! ```
+//!
+//! A box of 32³ elements of order 4 under a point force, stepped at 0.9 of its critical step, its free
+//! surface looked at every fourth step, sub-sampled to every 10 ms and written to a file; five rounds of at least half a second each; the table
+//! gives medians. *Deformed*: inner corners moved at random by 15 % of an element. *Viscoelastic*: three
+//! mechanisms. Bytes and operations are counted, not measured: every array once a step from memory, every
+//! operation of the kernel's formulas.
+
+#![allow(clippy::print_stdout)]
+
+use hati::outputs::Provenance;
+use hati::outputs::decimate::Decimator;
+use hati::outputs::thread::Background;
+use hati::outputs::wave::{Cells, WaveLayout, WaveWriter};
+use hati_coupling::Subdomain;
+use hati_sem::mesh::{BoxLayer, LayeredBox, Locator};
+use hati_sem::soil::Layer;
+use hati_sem::solid::{Execution, Ground, Material, Real, Solid, Watch, limits};
+use std::fmt::Write as _;
+use std::time::Instant;
+
+const ROUNDS: usize = 5;
+const SURFACE_DT: f64 = 0.01;
+/// Steps between two looks at the surface: its samples still hold half of the highest frequency of the
+/// mesh, far above what the sub-sampling lets pass.
+const STRIDE: usize = 4;
+
+struct Options {
+    elements: usize,
+    order: usize,
+    only: String,
+    save: Option<String>,
+}
+
+fn options() -> Options {
+    let mut options = Options { elements: 32, order: 4, only: String::new(), save: None };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().unwrap_or_default();
+        match word.as_str() {
+            "--elements" => options.elements = value().parse().expect("--elements takes a number"),
+            "--order" => options.order = value().parse().expect("--order takes a number"),
+            "--only" => options.only = value(),
+            "--save" => options.save = Some(value()),
+            _ => {}
+        }
+    }
+    options
+}
+
+/// What one core reaches.
+struct Machine {
+    triad: [f64; 2],
+    fma: [f64; 2],
+}
+
+fn main() {
+    let options = options();
+    let machine = Machine {
+        triad: [limits::triad_bandwidth::<f32>(32 << 20, 5), limits::triad_bandwidth::<f64>(16 << 20, 5)],
+        fma: [limits::fma_peak::<f32>(5), limits::fma_peak::<f64>(5)],
+    };
+    println!(
+        "one core: triad {:.1} GB/s, multiply-add {:.0} GFLOP/s (f32), {:.0} (f64)",
+        machine.triad[0] * 1e-9,
+        machine.fma[0] * 1e-9,
+        machine.fma[1] * 1e-9
+    );
+    let mut csv = String::from(
+        "mesh,law,precision,threads,M_element_steps_per_s,least,most,ns_per_point,surface_output_share,bytes_held_per_element,bytes_moved_per_element_step,flops_per_element_step,share_of_triad,share_of_multiply_add\n",
+    );
+    println!("{}", HEAD);
+    for deformed in [false, true] {
+        for damped in [false, true] {
+            let ground = ground(&options, deformed, damped);
+            let dt = 0.9
+                * Solid::<f32>::critical_step(&ground, 0.02, Execution::default())
+                    .expect("a bound of the step");
+            let names =
+                (if deformed { "deformed" } else { "affine" }, if damped { "viscous" } else { "elastic" });
+            for threads in [1, 2] {
+                if options.only.is_empty() || options.only == "f32" {
+                    case::<f32>(&ground, dt, threads, names, &machine, 0, &mut csv);
+                }
+                if options.only.is_empty() || options.only == "f64" {
+                    case::<f64>(&ground, dt, threads, names, &machine, 1, &mut csv);
+                }
+            }
+        }
+    }
+    if let Some(folder) = options.save {
+        std::fs::create_dir_all(&folder).expect("a folder for the results");
+        let now = std::time::SystemTime::now()
+            .duration_since(std::time::UNIX_EPOCH)
+            .map_or(0.0, |d| d.as_secs_f64());
+        let day = &hati::calendar::iso8601(now)[..10];
+        let file = format!("{folder}/throughput-{day}.csv");
+        let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let cpu = cpu
+            .lines()
+            .find_map(|l| l.strip_prefix("model name"))
+            .unwrap_or("")
+            .trim_start_matches(['\t', ':', ' ']);
+        let head = format!(
+            "# {day}, {cpu}, {} elements of order {}, triad {:.2} GB/s, multiply-add {:.0} / {:.0} GFLOP/s (f32, f64) on one core\n",
+            options.elements.pow(3),
+            options.order,
+            machine.triad[0] * 1e-9,
+            machine.fma[0] * 1e-9,
+            machine.fma[1] * 1e-9
+        );
+        std::fs::write(&file, head + &csv).expect("the results' file");
+        println!("written to {file}");
+    }
+}
+
+const HEAD: &str = "mesh      law      prec threads | M element-steps/s (least, most) | ns/point | surface output | held B/el | moved B/el | flop/el | of triad | of FMA";
+
+fn ground(options: &Options, deformed: bool, damped: bool) -> Ground {
+    let n = options.elements;
+    let layers = [BoxLayer { name: "soil".into(), thickness: n as f64, elements: n }];
+    let mut mesh = LayeredBox {
+        dimension: 3,
+        x: (0.0, n as f64),
+        y: (0.0, n as f64),
+        layers: &layers,
+        element_width: 1.0,
+        topography: None,
+        moved_layers: 1,
+        order: 1,
+    }
+    .mesh()
+    .expect("a box");
+    if deformed {
+        mesh.move_interior_nodes(0.15, 1);
+    }
+    let damping = if damped { 0.02 } else { 0.0 };
+    let layer = Layer {
+        name: "soil".into(),
+        thickness: n as f64,
+        vs: 200.0,
+        vp: 346.41,
+        rho: 1800.0,
+        damping_s: damping,
+        damping_p: damping,
+    };
+    let material = Material::of_layer(&layer, 1.0, (0.5, 20.0), 3).expect("a fit");
+    let mut ground = Ground::new(mesh, options.order, &[material]).expect("a ground");
+    let middle = 0.5 * n as f64 + 0.3;
+    let forces = {
+        let locator = Locator::new(ground.mesh());
+        ground.point_force(&locator, [middle, middle, -0.1], [0.0, 0.0, 1e6]).expect("a point inside")
+    };
+    ground.add_load(forces, (0..1_000_000).map(|i| (1e-2 * f64::from(i)).sin()).collect());
+    ground
+}
+
+/// The loop that is timed: steps, and the surface if it is to be written.
+struct Loop<T: Real> {
+    solid: Solid<T>,
+    watch: Watch,
+    taken: usize,
+    surface: Option<(Decimator, Background<WaveWriter>)>,
+}
+
+impl<T: Real> Loop<T> {
+    fn new(ground: &Ground, dt: f64, threads: usize, folder: Option<&std::path::Path>) -> Self {
+        let solid = Solid::new(ground, dt, dt, Execution { threads, ..Execution::default() });
+        let numbering = ground.numbering();
+        let sides = &ground.mesh().boundary("top").expect("a top").sides;
+        let points: Vec<u32> = (sides.iter())
+            .flat_map(|s| {
+                numbering.side_points(s.side).into_iter().map(|p| numbering.element(s.element as usize)[p])
+            })
+            .collect();
+        let at = ground.positions();
+        let (cells, ids) = Cells::of_elements(2, numbering.order + 1, &points, |id| at[id as usize]);
+        let layout =
+            WaveLayout { displacement: false, velocity: true, acceleration: false, axes: vec![0, 1, 2] };
+        let surface = folder.map(|folder| {
+            let writer = WaveWriter::surface(
+                &folder.join("surface.nc"),
+                &Provenance::default(),
+                &layout,
+                &cells,
+                None,
+            )
+            .expect("a file");
+            let values = layout.values(ids.len());
+            let decimator = Decimator::new(values, STRIDE as f64 * dt, 0.0, SURFACE_DT).expect("a schedule");
+            (decimator, Background::start(vec![writer], 8).expect("a writer"))
+        });
+        let watch = Watch::new(&solid, &ids);
+        Self { solid, watch, taken: 0, surface }
+    }
+
+    fn step(&mut self) {
+        let Some((decimator, writer)) = &mut self.surface else { return self.solid.step() };
+        self.taken += 1;
+        if !(self.taken - 1).is_multiple_of(STRIDE) {
+            return self.solid.step();
+        }
+        self.watch.before(&self.solid);
+        self.solid.step();
+        self.watch.after(&self.solid);
+        let velocity = self.watch.velocity();
+        let fill = |row: &mut [f32]| {
+            for (c, part) in row.chunks_mut(velocity.len()).enumerate() {
+                part.iter_mut().zip(velocity).for_each(|(to, v)| *to = v[c] as f32);
+            }
+        };
+        decimator
+            .take(fill, |row| {
+                let mut frame = writer.frame(0)?;
+                frame.time = row.time;
+                frame.values.copy_from_slice(row.values);
+                writer.send(frame)
+            })
+            .expect("a row written");
+    }
+
+    /// Element-steps per second of each round, sorted.
+    fn rates(&mut self, elements: usize) -> Vec<f64> {
+        let start = Instant::now();
+        (0..3).for_each(|_| self.step());
+        let steps = (0.5 / (start.elapsed().as_secs_f64() / 3.0)).ceil().max(3.0) as usize;
+        let mut rates: Vec<f64> = (0..ROUNDS)
+            .map(|_| {
+                let start = Instant::now();
+                (0..steps).for_each(|_| self.step());
+                (elements * steps) as f64 / start.elapsed().as_secs_f64()
+            })
+            .collect();
+        rates.sort_by(f64::total_cmp);
+        rates
+    }
+}
+
+fn case<T: Real>(
+    ground: &Ground,
+    dt: f64,
+    threads: usize,
+    (mesh, law): (&str, &str),
+    machine: &Machine,
+    kind: usize,
+    csv: &mut String,
+) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    let folder = tempfile::tempdir().expect("a folder");
+    let elements = ground.mesh().len();
+    let (rates, share, cost) = pool.install(|| {
+        let mut plain = Loop::<T>::new(ground, dt, threads, None);
+        let without = plain.rates(elements);
+        let cost = plain.solid.cost();
+        drop(plain);
+        let mut whole = Loop::<T>::new(ground, dt, threads, Some(folder.path()));
+        let rates = whole.rates(elements);
+        let share = 1.0 - rates[ROUNDS / 2] / without[ROUNDS / 2];
+        (rates, share, cost)
+    });
+    let rate = rates[ROUNDS / 2];
+    let per = |x: f64| x / elements as f64;
+    let (held, moved, flops) = (per(cost.bytes_held), per(cost.bytes_moved), per(cost.flops));
+    let points = ground.numbering().nodes as f64 / elements as f64;
+    let (triad, fma) = (rate * moved / machine.triad[kind], rate * flops / machine.fma[kind]);
+    println!(
+        "{mesh:<9} {law:<8} {:<4} {threads:>7} | {:>17.3} ({:.3}, {:.3}) | {:>8.1} | {:>13.1}% | {held:>9.0} | {moved:>10.0} | {flops:>7.0} | {:>7.0}% | {:>5.0}%",
+        T::NAME,
+        rate * 1e-6,
+        rates[0] * 1e-6,
+        rates[ROUNDS - 1] * 1e-6,
+        1e9 / rate / points,
+        1e2 * share,
+        1e2 * triad / threads as f64,
+        1e2 * fma / threads as f64,
+    );
+    let _ = writeln!(
+        csv,
+        "{mesh},{law},{},{threads},{:.4},{:.4},{:.4},{:.2},{share:.4},{held:.0},{moved:.0},{flops:.0},{:.3},{:.3}",
+        T::NAME,
+        rate * 1e-6,
+        rates[0] * 1e-6,
+        rates[ROUNDS - 1] * 1e-6,
+        1e9 / rate / points,
+        triad / threads as f64,
+        fma / threads as f64,
+    );
+}
