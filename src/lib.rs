@@ -9,7 +9,7 @@
 //! - [`motion_input`]: the scene's motion, read, processed, converted;
 //! - [`record`]: records by themselves: what was found, done and measured, the motion as files;
 //! - [`plan`]: every size with its reason and the predicted error;
-//! - [`run`]: the time loop and the run folder;
+//! - [`run`]: the time loop and the run folder; [`volume`]: plan and run of ground in two and three dimensions;
 //! - [`outputs`], [`report`]: NetCDF files and the page; [`results`]: what they are made from;
 //! - [`export`]: a run folder in the formats of other programs;
 //! - [`closed_form`]: the yardstick, never used by a run's solver.
@@ -30,3 +30,4 @@ pub mod run;
 pub mod site_response;
 pub mod spectrum;
 pub mod verify;
+pub mod volume;

@@ -172,8 +172,7 @@ fn fit_moduli(s: &[Complex64], target: &[Complex64], omega: &[f64], kept: &[usiz
     let mut best: Option<(f64, DVector<f64>)> = None;
     for _ in 0..30 {
         let part = |z: Complex64, i: usize| if i < n { z.re } else { z.im };
-        let matrix =
-            DMatrix::from_fn(2 * n, columns, |i, c| weight[i % n].sqrt() * part(basis(i % n, c), i));
+        let matrix = DMatrix::from_fn(2 * n, columns, |i, c| weight[i % n].sqrt() * part(basis(i % n, c), i));
         let right = DVector::from_fn(2 * n, |i, _| weight[i % n].sqrt() * part(Complex64::ONE, i));
         let p = matrix.svd(true, true).solve(&right, 1e-14).ok()?;
         let error: Vec<f64> = (0..n)

@@ -48,9 +48,7 @@ impl Numbering {
                     [] => *corners.entry(corner[fixed]).or_insert_with(|| take(1)),
                     [a] if d > 1 => {
                         let (from, to) = (corner[fixed], corner[fixed | 1 << a]);
-                        let base = *edges
-                            .entry([from.min(to), from.max(to)])
-                            .or_insert_with(|| take(inner));
+                        let base = *edges.entry([from.min(to), from.max(to)]).or_insert_with(|| take(inner));
                         let along = if from < to { index[a] } else { order - index[a] };
                         base + along as u32 - 1
                     }
@@ -61,9 +59,7 @@ impl Numbering {
                         let base = *faces.entry(key).or_insert_with(|| take(inner * inner));
                         base + within_face(ids, order, [index[a], index[b]]) as u32
                     }
-                    _ => {
-                        own + free.iter().rev().fold(0, |i, &a| i * inner + index[a] - 1) as u32
-                    }
+                    _ => own + free.iter().rev().fold(0, |i, &a| i * inner + index[a] - 1) as u32,
                 };
                 connectivity.push(id);
             }

@@ -53,6 +53,9 @@ pub(super) struct SceneArguments {
     /// Override a value, for instance --set accuracy=1e-3 or --set soil.layer[2].vs=300; repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(super) set: Vec<String>,
+    /// Let a .geo file of the scene run: it is a program, which Gmsh meshes by.
+    #[arg(long)]
+    pub(super) allow_scripts: bool,
 }
 
 #[derive(Debug, Args)]
@@ -65,6 +68,12 @@ pub(super) struct RunArguments {
     /// Stop as if interrupted after this wall time: seconds, or with s, min or h.
     #[arg(long, value_parser = wall_time)]
     pub(super) max_wall_time: Option<Duration>,
+    /// Threads of a run in two or three dimensions [default: all of the machine].
+    #[arg(long, value_name = "N")]
+    pub(super) threads: Option<std::num::NonZeroUsize>,
+    /// Go on from the checkpoint of the folder, bit for bit as if nothing had happened; without one start anew.
+    #[arg(long)]
+    pub(super) restart: bool,
 }
 
 #[derive(Debug, Args)]
@@ -200,6 +209,9 @@ pub(super) struct VerifyArguments {
     /// Change one constant of each case by three times its limit and see it fail.
     #[arg(long)]
     pub(super) self_check: bool,
+    /// Folder for the figures of the cases that have one, SVG with CSV beside it.
+    #[arg(long, short, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
 }
 
 fn wall_time(text: &str) -> Result<Duration, String> {

@@ -7,7 +7,7 @@
 //! | 2 | wrong input |
 //! | 3 | unstable |
 //! | 4 | machine: disk, memory, a folder that cannot be written |
-//! | 5 | interrupted; the files are valid up to that instant |
+//! | 5 | interrupted; the files are valid up to that instant, and `--restart` goes on |
 //!
 //! Results for machines go to stdout (one JSON value with `--json`), everything else to stderr.
 mod arguments;
@@ -15,7 +15,9 @@ mod export;
 mod record;
 mod record_table;
 mod show;
+mod volume;
 
+use crate::outputs::OutputError;
 use crate::plan::{Plan, PlanError};
 use crate::run::{RunControl, RunError, run};
 use crate::verify::Check;
@@ -65,7 +67,8 @@ impl Failure {
 
 impl From<PlanError> for Failure {
     fn from(e: PlanError) -> Self {
-        let exit = if matches!(e, PlanError::Memory { .. }) { Exit::Machine } else { Exit::WrongInput };
+        let memory = matches!(e, PlanError::Memory { .. } | PlanError::MemoryOfElements { .. });
+        let exit = if memory { Exit::Machine } else { Exit::WrongInput };
         Self::new(exit, e)
     }
 }
@@ -73,7 +76,7 @@ impl From<PlanError> for Failure {
 impl From<RunError> for Failure {
     fn from(e: RunError) -> Self {
         let exit = match &e {
-            RunError::Plan(PlanError::Memory { .. }) => Exit::Machine,
+            RunError::Plan(PlanError::Memory { .. } | PlanError::MemoryOfElements { .. }) => Exit::Machine,
             RunError::Scene(_) | RunError::Plan(_) | RunError::Sem(_) => Exit::WrongInput,
             RunError::Output(_) => Exit::Machine,
             RunError::Coupling(hati_coupling::CouplingError::Unstable { .. }) => Exit::Unstable,
@@ -178,6 +181,9 @@ fn load(a: &SceneArguments) -> Result<Scene, Failure> {
 
 fn check(a: &SceneArguments, json: bool) -> Result<Exit, Failure> {
     let found = scene::load_with(&scene_file(&a.scene), &overrides(a)?);
+    if let Ok(scene) = &found {
+        volume::check_mesh(scene, a)?;
+    }
     let (diagnostics, exit) = match &found {
         Ok(scene) => (&scene.source.warnings, Exit::Fine),
         Err(diagnostics) => (diagnostics, Exit::WrongInput),
@@ -199,6 +205,9 @@ fn check(a: &SceneArguments, json: bool) -> Result<Exit, Failure> {
 
 fn plan(a: &SceneArguments, json: bool) -> Result<Exit, Failure> {
     let scene = load(a)?;
+    if scene.domain.is_some() {
+        return volume::plan_verb(&scene, a, json);
+    }
     let plan = Plan::new(&scene)?;
     if json {
         print_json(&plan.to_json())?;
@@ -223,6 +232,12 @@ fn interrupt_flag() -> Arc<AtomicBool> {
 fn run_verb(a: &RunArguments, json: bool) -> Result<Exit, Failure> {
     let flag = interrupt_flag();
     let scene = load(&a.scene)?;
+    if scene.domain.is_some() {
+        return volume::run_verb(&scene, a, &flag, json);
+    }
+    if a.restart {
+        note("a column is computed in seconds and keeps no checkpoint: it runs from its beginning");
+    }
     let plan = Plan::new(&scene)?;
     let out = a.out.clone().unwrap_or_else(|| default_folder(&a.scene.scene));
     if !json {
@@ -320,6 +335,9 @@ fn verify(a: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
     if checks.is_empty() {
         return Err(Failure::input(format!("{}: runs only with --long", a.cases.join(", "))));
     }
+    if let Some(out) = &a.out {
+        write_figures(out, &crate::verify::figures(&wanted, a.long)?)?;
+    }
     // A twisted case that still passes is blind.
     let bad = checks.iter().filter(|c| c.pass == a.self_check).count();
     if json {
@@ -334,6 +352,19 @@ fn verify(a: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
         print(&line)?;
     }
     Ok(if bad == 0 { Exit::Fine } else { Exit::OutsideAccuracy })
+}
+
+/// Writes the figures of cases into a folder.
+fn write_figures(out: &Path, figures: &[crate::verify::CaseFigure]) -> Result<(), OutputError> {
+    std::fs::create_dir_all(out).map_err(|cause| OutputError::from_io(out, cause))?;
+    for f in figures {
+        for (ending, text) in [("svg", &f.svg), ("csv", &f.csv)] {
+            let path = out.join(format!("{}.{ending}", f.name));
+            crate::outputs::replace_bytes(&path, text.as_bytes(), false)?;
+            tell(&format!("{}\n", path.display()));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a word that no case has in its name, so that a slip of the pen does not skip a case.

@@ -14,13 +14,89 @@ pub enum PlanError {
     /// From the step.
     #[error(transparent)]
     Coupling(#[from] hati_coupling::CouplingError),
-    /// A scene with a domain.
+    /// A scene with a domain, for a verb that knows columns alone.
     #[error(
-        "domain.dimension = {dimension}: scenes in two or three dimensions are checked, but not run yet\n  help: take [domain] out for a column"
+        "domain.dimension = {dimension}: this is made for columns; scenes in two or three dimensions are planned and run with `hati plan` and `hati run`"
     )]
     NotBuilt {
         /// Dimension of the domain.
         dimension: usize,
+    },
+    /// Names of a mesh and of the scene do not fit together.
+    #[error("{place}: {what} `{name}` is not in {}; it has {present:?}\n  help: {help}", path.display())]
+    MeshName {
+        /// Where it stands in the scene.
+        place: String,
+        /// Material or boundary.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The mesh.
+        path: std::path::PathBuf,
+        /// Names that the mesh has.
+        present: Vec<String>,
+        /// What to do.
+        help: &'static str,
+    },
+    /// A material of the mesh for which the scene gives nothing.
+    #[error(
+        "{}: material `{name}` has no [[material]] in the scene, which gives {given:?}\n  help: add [[material]] with name = \"{name}\"", path.display()
+    )]
+    MaterialMissing {
+        /// The mesh.
+        path: std::path::PathBuf,
+        /// The name.
+        name: String,
+        /// Names that the scene gives.
+        given: Vec<String>,
+    },
+    /// A place of the scene that cannot be used.
+    #[error("{what}: {source}")]
+    Place {
+        /// Which one, in the scene's words.
+        what: String,
+        /// Why.
+        source: SemError,
+    },
+    /// A plane of symmetry that is none.
+    #[error(
+        "domain.boundary.{boundary} = \"symmetry\": its sides do not lie in one plane (normals differ by {angle:.3} degrees)\n  help: name each plane in a physical group of its own"
+    )]
+    BentSymmetry {
+        /// The boundary.
+        boundary: String,
+        /// Largest angle between normals, degrees.
+        angle: f64,
+    },
+    /// The given step is too long for the ground in two or three dimensions.
+    #[error(
+        "discretisation.dt = {dt:.4e} s is unstable: the critical step is {dt_critical:.4e} s, bounded by {limited_by}\n  help: give dt ≤ {safe:.3e} s, or leave it to \"auto\""
+    )]
+    UnstableElement {
+        /// The given step, s.
+        dt: f64,
+        /// Critical step, s.
+        dt_critical: f64,
+        /// The element that bounds it.
+        limited_by: String,
+        /// A step with margin, s.
+        safe: f64,
+    },
+    /// The ground in two or three dimensions does not fit into memory.
+    #[error(
+        "the run needs about {needed_mb:.0} MB of memory, and {available_mb:.0} MB are free: {elements:.3e} elements of order {order}\n  help: {help}"
+    )]
+    MemoryOfElements {
+        /// Need, MB.
+        needed_mb: f64,
+        /// Free, MB.
+        available_mb: f64,
+        /// Elements.
+        elements: f64,
+        /// Their order.
+        order: usize,
+        /// What to do.
+        help: String,
     },
     /// The given step is too long.
     #[error(

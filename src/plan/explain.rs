@@ -225,7 +225,7 @@ impl Plan {
 }
 
 /// Memory that is free for a new program, bytes; `None` where the system does not tell.
-fn available_memory() -> Option<f64> {
+pub(crate) fn available_memory() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|l| l.starts_with("MemAvailable:"))?;
     line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kb| kb * 1024.0)

@@ -6,6 +6,7 @@ mod preparation;
 mod sizing;
 
 pub use error::PlanError;
+pub(crate) use explain::available_memory;
 pub use sizing::{Candidate, Control, Fixed, STEP_MARGIN, Search, Sizer, Weight, fit_arms, substeps_for};
 
 use crate::motion_input::{MotionInput, active_axes};

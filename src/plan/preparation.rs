@@ -110,11 +110,7 @@ pub(super) fn profile(scene: &Scene, input: &MotionInput, band: (f64, f64), note
             damping_p: l.damping_p,
         })
         .collect();
-    let base = scene.half_space().map_or(Base::Rigid, |h| Base::Elastic {
-        vs: h.vs,
-        vp: h.vp,
-        rho: h.rho,
-    });
+    let base = scene.half_space().map_or(Base::Rigid, |h| Base::Elastic { vs: h.vs, vp: h.vp, rho: h.rho });
     Profile { layers, base, reference_frequency: value }
 }
 

@@ -8,6 +8,8 @@
 //! Values missing from the summary read `—`; what cannot be drawn (no samples, no ledger) is left out.
 
 mod chart;
+mod cost;
+mod dispersion;
 mod figures;
 mod first_screen;
 mod measure;
@@ -24,6 +26,8 @@ pub mod wave;
 use std::path::Path;
 
 pub(crate) use chart::{chart_figure, chart_page};
+pub(crate) use cost::{CostCurve, cost_figure};
+pub(crate) use dispersion::{DispersionCurve, dispersion_figure};
 pub(crate) use record::{Row, clear_record_figures, write_index, write_record_report};
 
 use figures::{Motion, Plate, View};

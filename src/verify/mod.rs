@@ -11,7 +11,9 @@ mod matching;
 mod measures;
 mod motion;
 mod pair;
+mod solid;
 mod stepping;
+mod waves;
 
 use crate::run::RunError;
 use serde::Serialize;
@@ -19,7 +21,12 @@ use std::fmt;
 
 pub use fixtures::{accelerogram, scene_with, simulate};
 pub use pair::{pair_profile, surface_from_within};
+pub use solid::{manufactured_error, manufactured_sizes, realised_error};
 pub use stepping::standing_wave_error;
+pub use waves::{
+    CostRow, Footprint, LAMB_DISTANCES, LOH1_RATE, LambModel, LambRecord, Loh1Model, Loh1Record,
+    cost_of_lamb, cost_to_reach, lamb_closed_form, loh1_reference,
+};
 
 /// One compared quantity.
 #[derive(Debug, Clone, Serialize)]
@@ -104,8 +111,38 @@ const CASES: &[Case] = &[
     Case { name: "matching", long: false, run: matching::matching },
     Case { name: "accuracy", long: false, run: accuracy::accuracy },
     Case { name: "accuracy-kinds", long: false, run: accuracy::accuracy_kinds },
+    Case { name: "manufactured", long: false, run: solid::manufactured },
+    Case { name: "dispersion", long: false, run: solid::plane_waves },
+    Case { name: "attenuation", long: false, run: solid::attenuation },
+    Case { name: "solid-step-bound", long: false, run: solid::solid_step_bound },
+    Case { name: "lamb", long: false, run: waves::lamb },
+    Case { name: "lamb-fine", long: true, run: waves::lamb_fine },
+    Case { name: "lamb-chart", long: true, run: waves::lamb_chart },
+    Case { name: "loh1", long: true, run: waves::loh1 },
     Case { name: "step-bound-million", long: true, run: stepping::step_bound_million },
 ];
+
+/// A figure of a case with the numbers behind it.
+#[derive(Debug, Clone)]
+pub struct CaseFigure {
+    /// Name of its files, without ending.
+    pub name: &'static str,
+    /// The drawing.
+    pub svg: String,
+    /// The numbers, with a line of names.
+    pub csv: String,
+}
+
+/// Cases that have a figure, and how it is made.
+const FIGURES: &[(&str, fn() -> Result<CaseFigure, RunError>)] =
+    &[("dispersion", solid::dispersion_chart), ("lamb-chart", waves::cost_chart)];
+
+/// Figures of the wanted cases; those of long ones only when asked for.
+pub fn figures(wanted: &dyn Fn(&str) -> bool, long: bool) -> Result<Vec<CaseFigure>, RunError> {
+    let runs = |name: &str| CASES.iter().any(|c| c.name == name && (long || !c.long));
+    let drawn = FIGURES.iter().filter(|(case, _)| wanted(case) && runs(case));
+    drawn.map(|(_, figure)| figure()).collect()
+}
 
 /// Names of all cases.
 pub fn names() -> Vec<&'static str> {

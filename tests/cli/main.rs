@@ -23,3 +23,4 @@ mod results;
 mod run;
 mod scenes;
 mod verbs;
+mod volume;

@@ -1,5 +1,7 @@
 //! Observed orders and errors that stay what they were.
 
+mod solid;
+
 use hati::verify::{standing_wave_error, verify};
 
 /// Standing-wave errors (relative L2, largest over a period), stored: order, elements, error in space.

@@ -1,8 +1,11 @@
 //! Against closed forms and references.
 #![allow(clippy::print_stdout, reason = "a test says what it skipped and what it found")]
 
+mod attenuation;
 mod borehole_pair;
 mod el_centro;
+mod lamb;
+mod loh1;
 
 use hati::verify::verify;
 use std::path::{Path, PathBuf};

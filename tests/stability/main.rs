@@ -13,6 +13,14 @@ fn stable_below_the_computed_step_and_unstable_above_it() {
 }
 
 #[test]
+fn the_solid_is_stable_below_its_step_and_unstable_above_it() {
+    let checks = verify(&|name| name == "solid-step-bound", false, &mut |_| ()).unwrap();
+    assert_eq!(checks.len(), 280);
+    let failed: Vec<String> = checks.iter().filter(|c| !c.pass).map(ToString::to_string).collect();
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[test]
 #[ignore = "a million steps; `make test-long` and `hati verify --long step-bound-million` run it"]
 fn stable_through_a_million_steps() {
     let checks = verify(&|name| name == "step-bound-million", true, &mut |_| ()).unwrap();

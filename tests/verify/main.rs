@@ -38,6 +38,16 @@ fn the_accuracy_case_notices() {
 }
 
 #[test]
+fn cases_of_the_solid_notice() {
+    ["manufactured", "dispersion", "attenuation", "solid-step-bound"].into_iter().for_each(notices);
+}
+
+#[test]
+fn lambs_problem_notices() {
+    notices("lamb");
+}
+
+#[test]
 fn every_short_case_stands_in_one_of_these_tests() {
     let listed = [
         "uniform-layer",
@@ -55,6 +65,14 @@ fn every_short_case_stands_in_one_of_these_tests() {
         "matching",
         "accuracy",
         "accuracy-kinds",
+        "manufactured",
+        "dispersion",
+        "attenuation",
+        "solid-step-bound",
+        "lamb",
+        "lamb-fine",
+        "lamb-chart",
+        "loh1",
         "step-bound-million",
     ];
     assert_eq!(names(), listed);

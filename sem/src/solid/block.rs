@@ -1,7 +1,9 @@
 //! One block's part of a step: gather, internal force, scatter, and the step of its inner points.
 
 use super::geometry::MetricLanes;
-use super::kernel::{ARM_NUMBERS, ArmLanes, Arms, Basis, BatchBooks, Cube, Work, internal_force, splat_matrix};
+use super::kernel::{
+    ARM_NUMBERS, ArmLanes, Arms, Basis, BatchBooks, Cube, Work, internal_force, splat_matrix,
+};
 use super::layout::Block;
 use super::model::Model;
 use super::portable::Element;
@@ -142,7 +144,13 @@ impl<T: Real, const P: usize> Basis<T, P> {
 
 /// Brings the points of a block side by side: inner ones first, then shared ones.
 #[inline(always)]
-pub(super) fn gather_block<T: Real>(model: &Model<T>, block: &Block, own: &[T], shared: &[T], to: &mut [Aligned<T>; 3]) {
+pub(super) fn gather_block<T: Real>(
+    model: &Model<T>,
+    block: &Block,
+    own: &[T],
+    shared: &[T],
+    to: &mut [Aligned<T>; 3],
+) {
     let inner = block.inner.len();
     let halo = &model.layout.halo[block.halo.clone()];
     for (c, to) in to.iter_mut().enumerate() {
@@ -263,7 +271,13 @@ fn arm_lanes<T: Real, S: Simd>(model: &Model<T>, batch: usize) -> &[ArmLanes<T::
 
 /// Ends the pass for inner points and leaves the sums of shared ones.
 #[inline(always)]
-pub(super) fn finish<T: Real>(model: &Model<T>, pass: Pass, block: &Block, own: &mut Own<'_, T>, f: &[Aligned<T>; 3]) {
+pub(super) fn finish<T: Real>(
+    model: &Model<T>,
+    pass: Pass,
+    block: &Block,
+    own: &mut Own<'_, T>,
+    f: &[Aligned<T>; 3],
+) {
     let inner = block.inner.len();
     let dt_over_mass = &model.dt_over_mass[block.inner.clone()];
     for (c, f) in f.iter().enumerate() {

@@ -52,6 +52,10 @@ impl<T: Real> Solid<T> {
         let geometry = if metric == Metric::Corners { 7.0 * axes * axes } else { 0.0 };
         // strain of the velocity, its increment; per arm its strain twice, stress, loss
         let arm = components * (2.0 + 2.0 + 3.0 + 1.0 + 1.0) + stress + 17.0;
-        2.0 * (derivatives + transform) + stress + geometry + memory * (derivatives + transform + components) + arms * arm
+        2.0 * (derivatives + transform)
+            + stress
+            + geometry
+            + memory * (derivatives + transform + components)
+            + arms * arm
     }
 }

@@ -126,7 +126,11 @@ fn is_straight(mesh: &Mesh, element: usize, a: &[[f64; 3]; 7], tolerance: f64) -
     let centre = mesh.centre(element);
     (0..3_usize.pow(d as u32)).all(|p| {
         let [x, y, z] = [p % 3, p / 3 % 3, p / 9].map(|i| i as f64 - 1.0);
-        let terms = if d == 2 { [x, y, x * y, 0.0, 0.0, 0.0, 0.0] } else { [x, y, z, x * y, y * z, z * x, x * y * z] };
+        let terms = if d == 2 {
+            [x, y, x * y, 0.0, 0.0, 0.0, 0.0]
+        } else {
+            [x, y, z, x * y, y * z, z * x, x * y * z]
+        };
         let exact = mesh.position(element, [x, y, if d == 3 { z } else { 0.0 }]);
         (0..3).all(|i| {
             let straight: f64 = centre[i] + a.iter().zip(terms).map(|(a, t)| a[i] * t).sum::<f64>();

@@ -216,7 +216,12 @@ impl Ground {
     }
 
     /// Forces of a point force, N: consistent with the basis, $f_i = F\,\ell_i(\xi)$.
-    pub fn point_force(&self, locator: &Locator<'_>, position: [f64; 3], force: [f64; 3]) -> Result<Vec<(u32, [f64; 3])>, SemError> {
+    pub fn point_force(
+        &self,
+        locator: &Locator<'_>,
+        position: [f64; 3],
+        force: [f64; 3],
+    ) -> Result<Vec<(u32, [f64; 3])>, SemError> {
         let probe = self.probe(locator, position)?;
         Ok(probe.weights.iter().map(|&(node, w)| (node, force.map(|f| f * w))).collect())
     }

@@ -223,11 +223,7 @@ fn stress<T: Real, S: Simd>(
 
 /// Stress times strain, $\sigma:e$.
 #[inline(always)]
-fn work_of<T: Real, S: Simd>(
-    ops: Ops<T, S>,
-    s: &[T::Vector<S>; 6],
-    e: &[T::Vector<S>; 6],
-) -> T::Vector<S> {
+fn work_of<T: Real, S: Simd>(ops: Ops<T, S>, s: &[T::Vector<S>; 6], e: &[T::Vector<S>; 6]) -> T::Vector<S> {
     let mut sum = ops.mul(s[0], e[0]);
     for c in 1..6 {
         sum = ops.fma(s[c], e[c], sum);
@@ -313,8 +309,18 @@ pub(super) fn internal_force<T: Real, S: Simd, const P: usize, const K: usize, c
                     }
                     let point = (k * P + j) * P + i;
                     let dashpots = &mut arms.dashpot[point * stride..(point + 1) * stride];
-                    for (arm, dashpot) in arms.coefficients.iter().zip(dashpots.chunks_exact_mut(components)) {
-                        step_arm::<T, S, K>(ops, arm, &e, &increment, advance, dashpot, &mut s, &mut point_books);
+                    for (arm, dashpot) in arms.coefficients.iter().zip(dashpots.chunks_exact_mut(components))
+                    {
+                        step_arm::<T, S, K>(
+                            ops,
+                            arm,
+                            &e,
+                            &increment,
+                            advance,
+                            dashpot,
+                            &mut s,
+                            &mut point_books,
+                        );
                     }
                     books.loss = ops.fma(weight, point_books.loss, books.loss);
                     books.strain = ops.fma(weight, point_books.strain, books.strain);

@@ -102,7 +102,12 @@ impl Material {
         }
         let bulk = |(lambda, mu): (f64, f64)| lambda + 2.0 / 3.0 * mu;
         if bulk(self.relaxed()) <= 0.0 {
-            return Err(SemError::Material { layer: layer(), key: "vp", value: self.vp, range: "above 2/√3 vs" });
+            return Err(SemError::Material {
+                layer: layer(),
+                key: "vp",
+                value: self.vp,
+                range: "above 2/√3 vs",
+            });
         }
         let scale = bulk(self.unrelaxed());
         if (0..self.omega().len()).any(|l| bulk(self.arm(l)) < -1e-9 * scale) {

@@ -253,7 +253,8 @@ impl<T: Real> Solid<T> {
         for block in &self.model.layout.blocks {
             let lanes = self.model.layout.lanes;
             let range = block.batches.start * lanes..block.batches.end * lanes;
-            let elements = self.model.layout.element[range].iter().filter(|e| **e != layout::NO_ELEMENT).count();
+            let elements =
+                self.model.layout.element[range].iter().filter(|e| **e != layout::NO_ELEMENT).count();
             count[block.metric as usize] += elements;
         }
         count
@@ -277,7 +278,9 @@ impl<T: Real> Solid<T> {
             for c in 0..3 {
                 let first = 3 * block.inner.start + c * inner;
                 let mut part = 0.0;
-                for (v, m) in self.v[first..first + inner].iter().zip(&model.dt_over_mass[block.inner.clone()]) {
+                for (v, m) in
+                    self.v[first..first + inner].iter().zip(&model.dt_over_mass[block.inner.clone()])
+                {
                     part += v.f64() * v.f64() / m.f64();
                 }
                 sum += part;

@@ -141,11 +141,14 @@ impl<T: Real> Model<T> {
     /// Bytes of everything here.
     pub(super) fn bytes(&self) -> usize {
         let l = &self.layout;
-        let numbers = self.dt_over_mass.len()
-            + 4 * self.moduli.lambda.len()
-            + self.metric.len()
-            + self.arm_lanes.len();
-        let words = l.element.len() + l.halo.len() + l.sums.len() + l.sums_start.len() + l.number.len() + l.block_of.len();
+        let numbers =
+            self.dt_over_mass.len() + 4 * self.moduli.lambda.len() + self.metric.len() + self.arm_lanes.len();
+        let words = l.element.len()
+            + l.halo.len()
+            + l.sums.len()
+            + l.sums_start.len()
+            + l.number.len()
+            + l.block_of.len();
         let held = self.specials.iter().filter(|s| matches!(s, SpecialKick::Held(_))).count();
         numbers * size_of::<T>()
             + 4 * words
@@ -190,7 +193,9 @@ fn arm_lanes<T: Real>(ground: &Ground, layout: &Layout, arms: usize, dt: f64) ->
         let (batch, lane) = (i / lanes, i % lanes);
         for l in 0..arms {
             let mut own = [1.0, 0.0, 0.0, 0.0, 2.0, 1.0];
-            if e != NO_ELEMENT && let Some(omega) = ground.material(e as usize).omega().get(l) {
+            if e != NO_ELEMENT
+                && let Some(omega) = ground.material(e as usize).omega().get(l)
+            {
                 let x = 0.5 * omega * dt;
                 let (lambda, mu) = ground.material(e as usize).arm(l);
                 // an arm faster than the step has d = 0: the ledger then books its loss by a neighbour of d

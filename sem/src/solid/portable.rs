@@ -57,7 +57,8 @@ pub(super) fn run<T: Real>(
                     scratch.element.f[c][p] = T::default();
                 }
             }
-            let (l, s) = element(model, pass, block, &basis, index, batch, mine.dashpots, &mut scratch.element);
+            let (l, s) =
+                element(model, pass, block, &basis, index, batch, mine.dashpots, &mut scratch.element);
             loss += l;
             strain += s;
             for (p, &i) in local.iter().enumerate() {
@@ -269,7 +270,8 @@ fn step_arm<T: Real>(
     let part = stress(*lambda, *mu, &own);
     let old = stress(*lambda, *mu, &before);
     (0..6).for_each(|c| s[c] += part[c]);
-    let (square, product, old_square) = (work_of(&part, &own), work_of(&part, &before), work_of(&old, &before));
+    let (square, product, old_square) =
+        (work_of(&part, &own), work_of(&part, &before), work_of(&old, &before));
     // the mean's square is a quarter of the sum's; see the fast kernel for the stored energy
     let loss = 0.25 * rate.f64() * (square + 2.0 * product + old_square);
     let energy = if advance { 0.0 } else { product - 0.25 * rate.f64() * (square - old_square) };

@@ -20,6 +20,7 @@ pub trait Real:
     + Sub<Output = Self>
     + Mul<Output = Self>
     + AddAssign
+    + super::step::Kernels
     + 'static
 {
     /// Name for tables: `f32` or `f64`.

@@ -2,8 +2,8 @@
 
 use super::block::{Books, Leaf, Own, Pass, Scratch};
 use super::model::{HeldKick, Model, SpecialKick};
-use super::real::Real;
 use super::portable;
+use super::real::Real;
 use hati_coupling::central_difference::{drift, kick};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -98,7 +98,8 @@ pub(super) fn dispatch_or_scalar<W: WithSimd>(work: W) -> W::Output {
     Arch::new().dispatch(work)
 }
 
-struct Blocks<'a, T: Real> {
+#[allow(unreachable_pub)]
+pub struct Blocks<'a, T: Real> {
     model: &'a Model<T>,
     pass: Pass,
     parallel: bool,
@@ -111,7 +112,7 @@ impl<T: Real> Blocks<'_, T> {
     fn run(&self, leaves: Range<usize>, own: Own<'_, T>, scratch: &mut [Scratch<T>]) {
         if leaves.len() <= 1 {
             if let (Some(leaf), Some(scratch)) = (leaves.clone().next(), scratch.first_mut()) {
-                self.leaf(self.model.layout.leaves[leaf].clone(), own, scratch);
+                T::leaf(self, self.model.layout.leaves[leaf].clone(), own, scratch);
             }
             return;
         }
@@ -137,26 +138,6 @@ impl<T: Real> Blocks<'_, T> {
         }
     }
 
-    fn leaf(&self, blocks: Range<usize>, own: Own<'_, T>, scratch: &mut Scratch<T>) {
-        macro_rules! sizes {
-            ($($order:literal)*) => {
-                match (self.model.gll.len() - 1, self.model.dimension) {
-                    $(
-                        ($order, 2) => self.sized::<{ $order + 1 }, 1>(blocks, own, scratch),
-                        ($order, _) => self.sized::<{ $order + 1 }, { $order + 1 }>(blocks, own, scratch),
-                    )*
-                    _ => unreachable!("the portable path takes the others"),
-                }
-            };
-        }
-        if self.model.layout.lanes == 1 {
-            let (x, v) = (self.shared_x, self.shared_v);
-            portable::run(self.model, self.pass, blocks, own, x, v, scratch);
-            return;
-        }
-        sizes!(3 4 5 6 7 8);
-    }
-
     fn sized<const P: usize, const K: usize>(
         &self,
         blocks: Range<usize>,
@@ -174,6 +155,47 @@ impl<T: Real> Blocks<'_, T> {
         }
     }
 }
+
+/// The kernels of a precision. Its functions are not generic, so they are compiled here once and not again
+/// in every crate that names a [`super::Solid`].
+pub trait Kernels: Sized {
+    /// Runs a pass over a run of blocks.
+    #[allow(private_interfaces)]
+    fn leaf(of: &Blocks<'_, Self>, blocks: Range<usize>, own: Own<'_, Self>, scratch: &mut Scratch<Self>)
+    where
+        Self: Real;
+}
+
+macro_rules! kernels {
+    ($($t:ty)*) => { $(
+        impl Kernels for $t {
+            #[allow(private_interfaces)]
+            fn leaf(of: &Blocks<'_, $t>, blocks: Range<usize>, own: Own<'_, $t>, scratch: &mut Scratch<$t>) {
+                if of.model.layout.lanes == 1 {
+                    let (x, v) = (of.shared_x, of.shared_v);
+                    return portable::run(of.model, of.pass, blocks, own, x, v, scratch);
+                }
+                match (of.model.gll.len() - 1, of.model.dimension) {
+                    (3, 2) => of.sized::<4, 1>(blocks, own, scratch),
+                    (3, _) => of.sized::<4, 4>(blocks, own, scratch),
+                    (4, 2) => of.sized::<5, 1>(blocks, own, scratch),
+                    (4, _) => of.sized::<5, 5>(blocks, own, scratch),
+                    (5, 2) => of.sized::<6, 1>(blocks, own, scratch),
+                    (5, _) => of.sized::<6, 6>(blocks, own, scratch),
+                    (6, 2) => of.sized::<7, 1>(blocks, own, scratch),
+                    (6, _) => of.sized::<7, 7>(blocks, own, scratch),
+                    (7, 2) => of.sized::<8, 1>(blocks, own, scratch),
+                    (7, _) => of.sized::<8, 8>(blocks, own, scratch),
+                    (8, 2) => of.sized::<9, 1>(blocks, own, scratch),
+                    (8, _) => of.sized::<9, 9>(blocks, own, scratch),
+                    _ => unreachable!("the portable path takes the others"),
+                }
+            }
+        }
+    )* };
+}
+
+kernels!(f32 f64);
 
 struct Shared<'a, T: Real> {
     model: &'a Model<T>,

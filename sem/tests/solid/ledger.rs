@@ -21,7 +21,10 @@ fn closing<T: Real>(dimension: usize, damped: bool) -> (f64, Ledger) {
     let dt = 0.9 * Solid::<f64>::critical_step(&ground, 1e-3, Execution::default()).unwrap();
     let tau = |i: usize| (i as f64 * dt - 1.0) * 3.0;
     let steps = (6.0 / dt) as usize;
-    ground.add_load(forces, (0..steps).map(|i| (1.0 - 2.0 * tau(i).powi(2)) * (-tau(i).powi(2)).exp()).collect());
+    ground.add_load(
+        forces,
+        (0..steps).map(|i| (1.0 - 2.0 * tau(i).powi(2)) * (-tau(i).powi(2)).exp()).collect(),
+    );
     let mut solid = Solid::<T>::new(&ground, dt, dt, Execution::default());
     let mut ledger = Ledger::start(&solid.energies());
     for _ in 0..steps {

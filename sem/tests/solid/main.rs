@@ -3,11 +3,12 @@
 mod gauge;
 mod ledger;
 mod parity;
+mod planes;
 mod state;
 
 use hati_sem::mesh::{BoxLayer, LayeredBox, Mesh};
-use hati_sem::solid::Material;
 use hati_sem::soil::Layer;
+use hati_sem::solid::Material;
 
 /// A small box of two layers; geometric order 1 or 2, deformed or not.
 pub fn small_box(dimension: usize, geometry: usize, deformed: bool) -> Mesh {

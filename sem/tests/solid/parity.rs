@@ -29,7 +29,12 @@ fn everywhere<T: Real>(ground: &Ground, solid: &mut Solid<T>, steps: usize) -> V
         solid.step();
         watch.after(solid);
     }
-    watch.velocity().iter().zip(watch.acceleration()).map(|(v, a)| std::array::from_fn(|c| v[c] + a[c])).collect()
+    watch
+        .velocity()
+        .iter()
+        .zip(watch.acceleration())
+        .map(|(v, a)| std::array::from_fn(|c| v[c] + a[c]))
+        .collect()
 }
 
 fn by_reference(ground: &Ground, dt: f64) -> Vec<[f64; 3]> {

@@ -62,7 +62,13 @@ impl Definitions {
         self.layout.dimensions.push((name.to_owned(), length));
     }
 
-    fn variable(&mut self, name: &str, kind: Kind, dimensions: &[&str], attributes: &[(&str, &str)]) {
+    pub(super) fn variable(
+        &mut self,
+        name: &str,
+        kind: Kind,
+        dimensions: &[&str],
+        attributes: &[(&str, &str)],
+    ) {
         let number = |name: &&str| self.layout.dimensions.iter().position(|(d, _)| d == name);
         let dimensions = dimensions.iter().filter_map(number).collect();
         let attributes = attributes.iter().map(|(key, value)| ((*key).to_owned(), (*value).into())).collect();
@@ -70,7 +76,7 @@ impl Definitions {
     }
 
     /// Gives the latest variable another attribute.
-    fn attribute(&mut self, name: &str, value: Attribute) {
+    pub(super) fn attribute(&mut self, name: &str, value: Attribute) {
         let latest = self.layout.variables.last_mut();
         latest.into_iter().for_each(|v| v.attributes.push((name.to_owned(), value.clone())));
     }

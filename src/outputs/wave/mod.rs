@@ -13,6 +13,7 @@
 mod cells;
 mod definitions;
 mod grid;
+mod ledger;
 mod peaks;
 mod sensors;
 
@@ -20,6 +21,7 @@ use std::path::Path;
 
 pub use cells::Cells;
 pub use grid::Grid;
+pub use ledger::WaveLedgerWriter;
 pub use peaks::Peaks;
 pub use sensors::{Sensor, SensorLayout, SensorWriter};
 

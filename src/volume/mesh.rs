@@ -1,0 +1,189 @@
+//! The mesh of a scene: a box of its layers, or the user's file.
+
+use super::sizes::layer;
+use crate::plan::PlanError;
+use hati_inputs::gmsh::{self, GeoRun, GmshMesh};
+use hati_inputs::scene::{Auto, BoundaryKind, MaterialValues, Scene};
+use hati_sem::mesh::{
+    Boundary, BoxLayer, LayeredBox, Mesh, MeshReport, Resolution, Side, check, element_width, layer_heights,
+};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Longest time that Gmsh may take.
+const GMSH_TIME: Duration = Duration::from_secs(600);
+
+/// What making a mesh may do and where.
+#[derive(Debug, Clone, Copy)]
+pub struct MeshOptions<'a> {
+    /// Whether a `.geo` script may run.
+    pub allow_scripts: bool,
+    /// Folder for the mesh that a script makes.
+    pub folder: &'a Path,
+}
+
+/// A mesh file as it was read.
+#[derive(Debug, Clone)]
+pub struct FileMesh {
+    /// Where the `.msh` file lies.
+    pub path: PathBuf,
+    /// Gmsh's tags of the elements.
+    pub tags: Vec<u64>,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// What the reader did.
+    pub notes: Vec<String>,
+    /// Whether a script made it.
+    pub scripted: bool,
+}
+
+/// Reads the mesh file of a scene, or makes it by its script; `None` for a box.
+pub fn read(scene: &Scene, options: &MeshOptions<'_>) -> Result<Option<(Mesh, FileMesh)>, PlanError> {
+    let Some(name) = scene.domain.as_ref().and_then(|d| d.mesh.as_deref()) else { return Ok(None) };
+    let given = scene.path_of(name);
+    let scripted = given.extension().is_some_and(|e| e.eq_ignore_ascii_case("geo"));
+    let path = if scripted {
+        let here = Path::new(".");
+        let folder = &scene.source.folder;
+        gmsh::mesh_geo(&GeoRun {
+            geo: Path::new(name),
+            scene_folder: if folder.as_os_str().is_empty() { here } else { folder },
+            dimension: scene.dimension(),
+            allow_scripts: options.allow_scripts,
+            python: None,
+            out_folder: options.folder,
+            time_limit: GMSH_TIME,
+        })?
+    } else {
+        given
+    };
+    let GmshMesh { dimension, order, nodes, elements, material, materials, boundaries, tags, notes, sha256 } =
+        gmsh::read(&path)?;
+    let side = |(element, side)| Side { element, side };
+    let named = |(name, sides): (String, Vec<(u32, u8)>)| Boundary {
+        name,
+        sides: sides.into_iter().map(side).collect(),
+    };
+    let boundaries = boundaries.into_iter().map(named).collect();
+    let mesh = Mesh { dimension, order, nodes, elements, material, materials, boundaries };
+    check_names(scene, &mesh, &path)?;
+    Ok(Some((mesh, FileMesh { path, tags, sha256, notes, scripted })))
+}
+
+/// Compares the names of the scene with those of the mesh.
+fn check_names(scene: &Scene, mesh: &Mesh, path: &Path) -> Result<(), PlanError> {
+    let expected = scene.dimension();
+    if mesh.dimension != expected {
+        let (place, name) = (scene.source.place_of("domain.dimension"), expected.to_string());
+        let present = vec![mesh.dimension.to_string()];
+        let help = "give the dimension of the mesh";
+        return Err(PlanError::MeshName { place, what: "dimension", name, path: path.into(), present, help });
+    }
+    let given: Vec<String> = scene.material.iter().map(|m| m.name.clone()).collect();
+    if let Some(name) = mesh.materials.iter().find(|name| !given.contains(name)) {
+        return Err(PlanError::MaterialMissing { path: path.into(), name: name.clone(), given });
+    }
+    if let Some(number) = given.iter().position(|name| !mesh.materials.contains(name)) {
+        let place = scene.source.place_of(&format!("material[{}].name", number + 1));
+        let (what, name, present) = ("material", given[number].clone(), mesh.materials.clone());
+        let help = "take it out, or name it as the physical group of the mesh";
+        return Err(PlanError::MeshName { place, what, name, path: path.into(), present, help });
+    }
+    let boundaries = scene.domain.iter().flat_map(|d| d.boundary.keys());
+    if let Some(name) = boundaries.into_iter().find(|name| mesh.boundary(name).is_none()) {
+        let place = scene.source.place_of(&format!("domain.boundary.{name}"));
+        let present = mesh.boundaries.iter().map(|b| b.name.clone()).collect();
+        let help = "take it out, or name it as the physical group of the mesh";
+        let (what, name) = ("boundary", name.clone());
+        return Err(PlanError::MeshName { place, what, name, path: path.into(), present, help });
+    }
+    Ok(())
+}
+
+/// A box as it will be meshed.
+#[derive(Debug, Clone)]
+pub struct BoxSizes {
+    /// Layers with their counts.
+    pub layers: Vec<BoxLayer>,
+    /// Greatest width of an element, m.
+    pub width: f64,
+    /// Elements along x, y and z.
+    pub counts: [usize; 3],
+    x: (f64, f64),
+    y: (f64, f64),
+}
+
+/// Sizes of a box's elements; what the scene gives wins.
+pub fn box_sizes(
+    scene: &Scene,
+    materials: &[MaterialValues],
+    resolution: &Resolution,
+) -> Result<BoxSizes, PlanError> {
+    let thicknesses = scene.thicknesses();
+    let domain = scene.domain.as_ref();
+    let hill = domain.and_then(|d| d.heights.as_ref()).map_or(0.0, |h| h.range().1.max(0.0));
+    let mut layers: Vec<_> = materials.iter().zip(&thicknesses).map(|(m, t)| layer(m, *t)).collect();
+    let width = match scene.discretisation.element_size {
+        Auto::Value(size) => size,
+        Auto::Auto => element_width(&layers, resolution)?,
+    };
+    let mut sized = match &scene.discretisation.elements {
+        Auto::Value(counts) => layers
+            .iter()
+            .zip(counts)
+            .map(|(l, &elements)| BoxLayer { name: l.name.clone(), thickness: l.thickness, elements })
+            .collect(),
+        Auto::Auto => {
+            // the uppermost layer is as thick as the highest hill makes it
+            layers.iter_mut().take(1).for_each(|l| l.thickness += hill);
+            layer_heights(&layers, resolution)?
+        }
+    };
+    sized.iter_mut().zip(&thicknesses).for_each(|(l, t)| l.thickness = *t);
+    let range = |r: Option<[f64; 2]>| r.map_or((0.0, 0.0), |[a, b]| (a, b));
+    let (x, y) = (range(domain.and_then(|d| d.x)), range(domain.and_then(|d| d.y)));
+    let mut sizes = BoxSizes { layers: sized, width, counts: [0; 3], x, y };
+    sizes.counts = sizes.described(scene.dimension(), None).counts()?;
+    Ok(sizes)
+}
+
+impl BoxSizes {
+    fn described<'a>(
+        &'a self,
+        dimension: usize,
+        topography: Option<&'a dyn Fn(f64, f64) -> f64>,
+    ) -> LayeredBox<'a> {
+        LayeredBox {
+            dimension,
+            x: self.x,
+            y: self.y,
+            layers: &self.layers,
+            element_width: self.width,
+            topography,
+            moved_layers: 1,
+            order: 1,
+        }
+    }
+
+    /// Meshes the box.
+    pub fn mesh(&self, scene: &Scene) -> Result<Mesh, PlanError> {
+        let heights = scene.domain.as_ref().and_then(|d| d.heights.as_ref());
+        let height = |x: f64, y: f64| heights.map_or(0.0, |h| h.height(x, y));
+        let topography: Option<&dyn Fn(f64, f64) -> f64> = heights.map(|_| &height as _);
+        Ok(self.described(scene.dimension(), topography).mesh()?)
+    }
+}
+
+/// Checks a mesh; a fault of a file's element is told with Gmsh's tag.
+pub fn checked(mesh: &Mesh, order: usize, file: Option<&FileMesh>) -> Result<MeshReport, PlanError> {
+    check(mesh, order).map_err(|source| match file {
+        Some(file) => PlanError::Place { what: format!("domain.mesh: {}", file.path.display()), source },
+        None => source.into(),
+    })
+}
+
+/// Boundaries that absorb, by name; for words.
+pub fn with_kind(scene: &Scene, mesh: &Mesh, kind: BoundaryKind) -> Vec<String> {
+    let of = |b: &&Boundary| scene.boundary_kind(&b.name) == kind;
+    mesh.boundaries.iter().filter(of).map(|b| b.name.clone()).collect()
+}

@@ -1,0 +1,167 @@
+//! Frequencies and element sizes of a scene in two or three dimensions.
+
+use super::sources::Signal;
+use crate::plan::PlanError;
+use hati_inputs::motion::usable_band;
+use hati_inputs::scene::{Auto, MaterialValues, Scene, TimeFunction};
+use hati_sem::attenuation::{MaxwellArms, ModulusLaw};
+use hati_sem::mesh::Resolution;
+use hati_sem::soil::Layer;
+use hati_sem::solid::dispersion;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Order of the elements where the scene leaves it open.
+pub const ORDER: usize = 5;
+/// Fewest points per shortest wavelength that `auto` takes: below, surface waves and the ground near a source are not
+/// what the table of plane waves tells.
+pub const POINTS_FLOOR: f64 = 4.0;
+/// Decades below the highest frequency over which damping is represented.
+const DAMPING_DECADES: f64 = 1.7;
+/// Accuracy at which the automatic reference frequency is taken: stiffness must not move with the accuracy asked.
+const REFERENCE_ACCURACY: f64 = 1e-2;
+/// Share of the accuracy for each of space, time and the damping fit.
+pub const SHARE: f64 = 0.5;
+
+/// Frequencies of the sources.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frequencies {
+    /// Highest one that the sizes are chosen for, Hz.
+    pub f_max: f64,
+    /// The upper one at which the sources still have half of their largest amplitude, Hz.
+    pub f_half: f64,
+    /// Reference frequency of the soil's speeds, Hz.
+    pub reference: f64,
+    /// Highest frequency of the sources themselves, where the scene gives another, Hz.
+    pub of_sources: f64,
+}
+
+/// Highest frequency of the sources: where their amplitude has fallen to `share` of its peak; of a record, what leaves
+/// out `share` of its energy's root.
+fn highest(signals: &[Signal], share: f64) -> f64 {
+    let of = |signal: &Signal| match &signal.time {
+        TimeFunction::Pulse(pulse) => pulse.highest_frequency(share),
+        TimeFunction::Record { .. } => {
+            signal.record.as_ref().map_or(0.0, |r| usable_band(&r.samples, r.dt, share).1)
+        }
+    };
+    signals.iter().map(of).fold(0.0, f64::max)
+}
+
+/// Chooses the frequencies of a scene.
+pub fn frequencies(scene: &Scene, signals: &[Signal]) -> Frequencies {
+    let of_sources = highest(signals, scene.accuracy.min(0.3));
+    let given = scene.discretisation.f_max.value().copied();
+    let f_max = given.unwrap_or(of_sources);
+    let f_half = highest(signals, 0.5).min(f_max);
+    let top = given.unwrap_or_else(|| highest(signals, REFERENCE_ACCURACY));
+    let auto = top / 10_f64.powf(0.5 * DAMPING_DECADES);
+    let reference = scene.soil.reference_frequency.value().copied().unwrap_or(auto);
+    Frequencies { f_max, f_half, reference, of_sources }
+}
+
+impl Frequencies {
+    /// Band over which damping is represented, Hz.
+    pub fn damping_band(&self) -> (f64, f64) {
+        (self.f_max / 10_f64.powf(DAMPING_DECADES), self.f_max)
+    }
+}
+
+/// Points per wavelength at `f_max` for an accuracy after waves have run for `time` seconds.
+///
+/// The phase error after n wavelengths is 2πn times the relative error of the phase speed. It must stay below [`SHARE`] of
+/// the accuracy at `f_half`, where the sources are strong, and below [`SHARE`] of a radian at `f_max`, where their
+/// amplitude is a share `accuracy` of the peak. The dispersion is that of plane waves along the mesh
+/// ([`dispersion::points_per_wavelength`]).
+pub fn points_per_wavelength(
+    order: usize,
+    accuracy: f64,
+    frequencies: &Frequencies,
+    time: f64,
+) -> Result<f64, PlanError> {
+    let Frequencies { f_max, f_half, .. } = *frequencies;
+    let allowed = |phase: f64, f: f64| (phase / (2.0 * PI * (f * time).max(1.0))).clamp(1e-12, 0.1);
+    let strong =
+        dispersion::points_per_wavelength(order, allowed(SHARE * accuracy, f_half))? * f_half / f_max;
+    let weak = dispersion::points_per_wavelength(order, allowed(SHARE, f_max))?;
+    Ok(strong.max(weak).max(POINTS_FLOOR))
+}
+
+/// Resolution of a scene: order, highest frequency, points per wavelength; and the reason for the points.
+pub fn resolution(
+    scene: &Scene,
+    frequencies: &Frequencies,
+    time: f64,
+) -> Result<(Resolution, String), PlanError> {
+    let d = &scene.discretisation;
+    let order = d.order.value().copied().unwrap_or(ORDER);
+    let (points, why) = match d.points_per_wavelength {
+        Auto::Value(points) => (points, "user".to_owned()),
+        Auto::Auto => {
+            let points = points_per_wavelength(order, scene.accuracy, frequencies, time)?;
+            let floor = if points == POINTS_FLOOR { ", not below 4" } else { "" };
+            let why = format!(
+                "auto: plane waves of order {order} keep their phase to {:.1e} of {:.3} s{floor}",
+                SHARE * scene.accuracy,
+                time
+            );
+            (points, why)
+        }
+    };
+    Ok((Resolution { f_max: frequencies.f_max, points_per_wavelength: points, order }, why))
+}
+
+/// Longest step whose phase error after `time` seconds stays below [`SHARE`] of the accuracy at `f_half`, s: the central
+/// difference raises a frequency by the factor 1 + (ωΔt)²/24.
+pub fn accurate_step(accuracy: f64, frequencies: &Frequencies, time: f64) -> f64 {
+    let omega = 2.0 * PI * frequencies.f_half;
+    (24.0 * SHARE * accuracy / (omega * time).max(1.0)).sqrt() / omega
+}
+
+/// A layer of the solver from a material's values; `thickness` serves messages only.
+pub fn layer(m: &MaterialValues, thickness: f64) -> Layer {
+    Layer {
+        name: m.name.clone(),
+        thickness,
+        vs: m.vs,
+        vp: m.vp,
+        rho: m.rho,
+        damping_s: m.damping,
+        damping_p: m.damping_p,
+    }
+}
+
+/// Most mechanisms that `auto` takes.
+const MECHANISMS_MOST: usize = 8;
+
+/// Mechanisms of the damping and the largest relative error of a modulus over the band; 0 for elastic ground.
+pub fn mechanisms(
+    scene: &Scene,
+    materials: &[MaterialValues],
+    frequencies: &Frequencies,
+) -> Result<(usize, f64), PlanError> {
+    let largest = materials.iter().map(|m| m.damping.max(m.damping_p)).fold(0.0, f64::max);
+    if largest == 0.0 {
+        return Ok((0, 0.0));
+    }
+    let error = |count: usize| -> Result<f64, PlanError> {
+        let band = frequencies.damping_band();
+        let arms = MaxwellArms::fit(largest, frequencies.reference, band, count)?;
+        let exact =
+            ModulusLaw::ConstantDamping { damping: largest, reference_frequency: frequencies.reference };
+        let at = |i: usize| {
+            let f = band.0 * (band.1 / band.0).powf(i as f64 / 40.0);
+            let i_omega = Complex64::new(0.0, 2.0 * PI * f);
+            (arms.factor(i_omega) / exact.factor(i_omega) - 1.0).norm()
+        };
+        Ok((0..=40).map(at).fold(0.0, f64::max))
+    };
+    if let Auto::Value(count) = scene.discretisation.mechanisms {
+        return Ok((count, error(count)?));
+    }
+    let mut found = (1, error(1)?);
+    while found.1 > SHARE * scene.accuracy && found.0 < MECHANISMS_MOST {
+        found = (found.0 + 1, error(found.0 + 1)?);
+    }
+    Ok(found)
+}

@@ -1,0 +1,304 @@
+//! Sources: what they push, and their time functions at the kicks.
+
+use crate::plan::PlanError;
+use hati_inputs::motion::{Quantity, resample_as};
+use hati_inputs::records::{self, Channel, ReadOptions};
+use hati_inputs::scene::{Action, BoundaryKind, Place, Pulse, PulseKind, Scene, SourceTerm, TimeFunction};
+use hati_sem::SemError;
+use hati_sem::mesh::{Locator, Mesh};
+use hati_sem::solid::Ground;
+
+/// A source with its record read.
+#[derive(Debug, Clone)]
+pub struct Signal {
+    /// Name in messages.
+    pub name: String,
+    /// What acts where.
+    pub action: Action,
+    /// Its time function.
+    pub time: TimeFunction,
+    /// The record, where the time function is one.
+    pub record: Option<Channel>,
+}
+
+/// Reads the sources of a scene; Python is started once, and only for records.
+pub fn signals(scene: &Scene) -> Result<Vec<Signal>, PlanError> {
+    let terms = scene.sources();
+    let wanted = |t: &SourceTerm| match &t.time {
+        TimeFunction::Record { record, .. } => Some(record.clone()),
+        TimeFunction::Pulse(_) => None,
+    };
+    let sources: Vec<records::Source> = terms.iter().filter_map(wanted).collect();
+    let options = ReadOptions {
+        quantity: Some(Quantity::Acceleration),
+        accept_clipped: true,
+        ..ReadOptions::default()
+    };
+    let read = if sources.is_empty() { vec![] } else { records::read_many(&sources, &options)? };
+    let mut channels = vec![];
+    for (found, source) in read.into_iter().zip(&sources) {
+        channels.push(records::choose(found, source, 0)?);
+    }
+    let mut channels = channels.into_iter();
+    let signal = |t: SourceTerm| {
+        let record = if matches!(t.time, TimeFunction::Record { .. }) { channels.next() } else { None };
+        Signal { name: t.name, action: t.action, time: t.time, record }
+    };
+    Ok(terms.into_iter().map(signal).collect())
+}
+
+impl Signal {
+    /// Amplitude at the kicks t = n `dt`, `count` of them; a moment's rate is integrated.
+    pub fn amplitude(&self, dt: f64, count: usize) -> Vec<f64> {
+        let integrate = matches!(self.action, Action::Moment { rate: true, .. });
+        match (&self.time, &self.record) {
+            (TimeFunction::Pulse(pulse), _) if integrate => integral(pulse, dt, count),
+            (TimeFunction::Pulse(pulse), _) => (0..count).map(|n| pulse.value(n as f64 * dt)).collect(),
+            (TimeFunction::Record { amplitude, .. }, Some(record)) => {
+                of_record(record, *amplitude, integrate, dt, count)
+            }
+            (TimeFunction::Record { .. }, None) => vec![0.0; count],
+        }
+    }
+}
+
+/// Integral of a pulse from before its start: a Gaussian's is a ramp; others by Simpson's rule, eight intervals a step.
+fn integral(pulse: &Pulse, dt: f64, count: usize) -> Vec<f64> {
+    if pulse.kind == PulseKind::Gaussian {
+        let area = pulse.amplitude / (pulse.frequency * std::f64::consts::PI.sqrt());
+        let ramp = Pulse { kind: PulseKind::Ramp, amplitude: area, ..*pulse };
+        return (0..count).map(|n| ramp.value(n as f64 * dt)).collect();
+    }
+    // what the pulse had before t = 0, where it does not begin with zero, is part of it; a ramp never began
+    let fine = dt / 8.0;
+    let before = if pulse.kind == PulseKind::Ramp { 0.0 } else { (1.5 * pulse.half_width() / fine).ceil() };
+    let panel =
+        |t: f64| fine / 6.0 * (pulse.value(t) + 4.0 * pulse.value(t + 0.5 * fine) + pulse.value(t + fine));
+    let mut sum: f64 = (1..=before as usize).map(|i| panel(-(i as f64) * fine)).sum();
+    let mut values = Vec::with_capacity(count);
+    for n in 0..count {
+        values.push(sum);
+        sum += (0..8).map(|i| panel((8 * n + i) as f64 * fine)).sum::<f64>();
+    }
+    values
+}
+
+/// A record at the kicks: band-limited between its samples, 0 outside.
+fn of_record(record: &Channel, amplitude: f64, integrate: bool, dt: f64, count: usize) -> Vec<f64> {
+    let largest = record.samples.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let scale = if largest > 0.0 { amplitude.abs() / largest * amplitude.signum() } else { 0.0 };
+    // fine enough that the cubic between two instants is within 1e-6 of a record that ends at half its Nyquist frequency
+    let k = ((16.0 * record.dt / dt).ceil() as usize).clamp(16, 4096) / 16 * 16;
+    let k = k.min((1 << 26) / record.samples.len().max(1)).max(1);
+    let to = if integrate { Quantity::Velocity } else { Quantity::Acceleration };
+    let fine = resample_as(&record.samples, record.dt, Quantity::Acceleration, to, k);
+    let step = record.dt / k as f64;
+    let last = fine.last().copied().unwrap_or(0.0);
+    let value = |t: f64| {
+        let place = t / step;
+        let i = place as usize;
+        if i + 1 >= fine.len() {
+            // an integral keeps its value when the rate has ended
+            return if integrate || place <= (fine.len() - 1) as f64 { last } else { 0.0 };
+        }
+        cubic(&fine, i, place - i as f64)
+    };
+    (0..count).map(|n| scale * value(n as f64 * dt)).collect()
+}
+
+/// Cubic through four neighbours, held at the ends.
+fn cubic(x: &[f64], i: usize, s: f64) -> f64 {
+    let at = |k: usize| x[(i + k).saturating_sub(1).min(x.len() - 1)];
+    let (a, b, c, d) = (at(0), at(1), at(2), at(3));
+    b + 0.5 * s * (c - a + s * (2.0 * a - 5.0 * b + 4.0 * c - d + s * (3.0 * (b - c) + d - a)))
+}
+
+/// A plane of symmetry: a point of it and its normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    point: [f64; 3],
+    normal: [f64; 3],
+}
+
+/// Largest angle between normals of one plane, rad: meshers leave some 1e-9.
+const FLAT: f64 = 1e-5;
+
+/// The planes of symmetry of a mesh, each once. Error: a boundary that is bent.
+pub fn planes(scene: &Scene, mesh: &Mesh) -> Result<Vec<Plane>, PlanError> {
+    let mut planes: Vec<Plane> = vec![];
+    let size = mesh.extent();
+    let length = (0..3).map(|i| size.1[i] - size.0[i]).fold(0.0, f64::max);
+    for boundary in &mesh.boundaries {
+        if scene.boundary_kind(&boundary.name) != BoundaryKind::Symmetry {
+            continue;
+        }
+        let mut own: Option<Plane> = None;
+        for &side in &boundary.sides {
+            let local = mesh.side_local(side, [0.0; 2]);
+            let plane = Plane {
+                point: mesh.position(side.element as usize, local),
+                normal: unit(mesh.side_normal(side, local)),
+            };
+            let first = *own.get_or_insert(plane);
+            let sine = norm(cross(first.normal, plane.normal));
+            if sine > FLAT || first.distance(plane.point) > 1e-6 * length {
+                let angle = sine.min(1.0).asin().to_degrees();
+                return Err(PlanError::BentSymmetry { boundary: boundary.name.clone(), angle });
+            }
+        }
+        let known = |p: &Plane| {
+            planes
+                .iter()
+                .any(|q| norm(cross(p.normal, q.normal)) <= FLAT && q.distance(p.point) <= 1e-6 * length)
+        };
+        planes.extend(own.filter(|p| !known(p)));
+    }
+    Ok(planes)
+}
+
+impl Plane {
+    fn distance(&self, x: [f64; 3]) -> f64 {
+        (0..3).map(|i| self.normal[i] * (x[i] - self.point[i])).sum::<f64>().abs()
+    }
+}
+
+/// Share of a point source that the model carries: a half for every plane of symmetry through it. And what of a force
+/// across such a plane has no effect, as a share of the force.
+fn share(planes: &[Plane], at: [f64; 3], size: f64, force: [f64; 3]) -> (f64, f64) {
+    let through = planes.iter().filter(|p| p.distance(at) <= 1e-6 * size);
+    let (mut part, mut across) = (1.0, 0.0_f64);
+    for plane in through {
+        part *= 0.5;
+        let along: f64 = (0..3).map(|i| plane.normal[i] * force[i]).sum();
+        across = across.max(along.abs() / norm(force).max(f64::MIN_POSITIVE));
+    }
+    (part, across)
+}
+
+/// Coordinates of a place; a depth counts from the boundary `top`.
+pub fn position(locator: &Locator<'_>, place: &Place) -> Result<[f64; 3], SemError> {
+    match *place {
+        Place::Point(point) => Ok(point),
+        Place::Below { x, y, depth } => {
+            let top = locator.find_on_surface(x, y)?.position;
+            Ok([x, y, top[2] - depth])
+        }
+    }
+}
+
+/// Forces of a source per unit of its time function, and a warning where part of it does nothing.
+pub fn forces(
+    ground: &Ground,
+    locator: &Locator<'_>,
+    planes: &[Plane],
+    signal: &Signal,
+) -> Result<(Vec<(u32, [f64; 3])>, Option<String>), PlanError> {
+    let placed = |source| PlanError::Place { what: format!("source `{}`", signal.name), source };
+    let mut warning = None;
+    let dimension = ground.mesh().dimension;
+    let forces = match &signal.action {
+        Action::Force { at, force } => {
+            let at = position(locator, at).map_err(placed)?;
+            let probe = ground.probe(locator, at).map_err(placed)?;
+            let (part, across) = share(planes, probe.position, ground.mesh().size(probe.element), *force);
+            if across > 1e-6 {
+                warning = Some(format!(
+                    "source `{}`: its force across the plane of symmetry that it stands on has no effect",
+                    signal.name
+                ));
+            }
+            ground.point_force(locator, at, force.map(|f| part * f)).map_err(placed)?
+        }
+        Action::Moment { at, moment, .. } => {
+            let at = position(locator, at).map_err(placed)?;
+            let probe = ground.probe(locator, at).map_err(placed)?;
+            let (part, _) = share(planes, probe.position, ground.mesh().size(probe.element), [0.0; 3]);
+            let [xx, yy, zz, xy, xz, yz] = moment.map(|m| part * m);
+            ground.moment(locator, at, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).map_err(placed)?
+        }
+        Action::Traction { boundary, traction } => {
+            ground.traction(boundary, |_| *traction).map_err(placed)?
+        }
+        Action::Patch { boundary, centre, horizontal, sigma, force } => {
+            let area = match dimension {
+                2 => (2.0 * std::f64::consts::PI).sqrt() * sigma,
+                _ => 2.0 * std::f64::consts::PI * sigma * sigma,
+            };
+            let of = |x: [f64; 3]| {
+                let counts = |i: usize| (i != 2 || !horizontal) && (i != 1 || dimension == 3);
+                let r2: f64 = (0..3).filter(|&i| counts(i)).map(|i| (x[i] - centre[i]).powi(2)).sum();
+                let factor = (-0.5 * r2 / (sigma * sigma)).exp() / area;
+                force.map(|f| factor * f)
+            };
+            ground.traction(boundary, of).map_err(placed)?
+        }
+    };
+    Ok((forces, warning))
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = norm(a);
+    a.map(|x| x / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pulse(kind: PulseKind) -> Pulse {
+        let cycles = (kind == PulseKind::SineBurst).then_some(3.0);
+        Pulse { kind, frequency: 2.0, amplitude: 3.0, time: 1.0, cycles }
+    }
+
+    #[test]
+    fn a_rates_integral_has_the_rate_as_its_slope() {
+        let (dt, count) = (2e-3, 1000);
+        for kind in [PulseKind::Ricker, PulseKind::Gaussian, PulseKind::SineBurst, PulseKind::Ramp] {
+            let p = pulse(kind);
+            let x = integral(&p, dt, count);
+            for n in (1..count - 1).step_by(37) {
+                let slope = (x[n + 1] - x[n - 1]) / (2.0 * dt);
+                let error = (slope - p.value(n as f64 * dt)).abs();
+                assert!(error < 3e-3, "{kind:?} at {n}: {error:e}");
+            }
+        }
+        assert!(
+            integral(&pulse(PulseKind::Ricker), dt, count)[999].abs() < 1e-6,
+            "a Ricker's integral ends at 0"
+        );
+    }
+
+    #[test]
+    fn a_record_is_scaled_and_interpolated() {
+        let dt = 0.01;
+        let wave = |t: f64| (-(8.0 * (t - 1.0)).powi(2)).exp() * (40.0 * t).sin();
+        let record = Channel {
+            id: "a".into(),
+            file: "a".into(),
+            format: "SAC",
+            start: None,
+            dt,
+            samples: (0..201).map(|i| 7.0 * wave(f64::from(i) * dt)).collect(),
+            quantity: Quantity::Acceleration,
+            unit_stored: String::new(),
+            axis_hint: None,
+            steps: vec![],
+            sha256: String::new(),
+        };
+        let peak = (0..201).map(|i| wave(f64::from(i) * dt).abs()).fold(0.0, f64::max);
+        let found = of_record(&record, -2.0, false, 0.0033, 700);
+        for (n, x) in found.iter().enumerate() {
+            let t = n as f64 * 0.0033;
+            let expected = if t <= 2.0 { -2.0 * wave(t) / peak } else { 0.0 };
+            assert!((x - expected).abs() < 1e-4, "{t}: {x} against {expected}");
+        }
+    }
+}
