@@ -32,9 +32,9 @@ pub enum PlanError {
         /// The name.
         name: String,
         /// The mesh.
-        path: std::path::PathBuf,
+        path: Box<std::path::Path>,
         /// Names that the mesh has.
-        present: Vec<String>,
+        present: Box<[String]>,
         /// What to do.
         help: &'static str,
     },
@@ -56,7 +56,7 @@ pub enum PlanError {
         /// Which one, in the scene's words.
         what: String,
         /// Why.
-        source: SemError,
+        source: Box<SemError>,
     },
     /// A plane of symmetry that is none.
     #[error(

@@ -133,8 +133,11 @@ pub struct CaseFigure {
     pub csv: String,
 }
 
+/// Draws a case's figure.
+type Draw = fn() -> Result<CaseFigure, RunError>;
+
 /// Cases that have a figure, and how it is made.
-const FIGURES: &[(&str, fn() -> Result<CaseFigure, RunError>)] =
+const FIGURES: &[(&str, Draw)] =
     &[("dispersion", solid::dispersion_chart), ("lamb-chart", waves::cost_chart)];
 
 /// Figures of the wanted cases; those of long ones only when asked for.

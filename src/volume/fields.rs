@@ -49,7 +49,10 @@ pub(super) fn surface(
         return match asked {
             Some(_) => {
                 let what = "output.surface.boundary".to_owned();
-                Err(PlanError::Place { what, source: SemError::NoBoundary { name: name.into(), known } })
+                Err(PlanError::Place {
+                    what,
+                    source: Box::new(SemError::NoBoundary { name: name.into(), known }),
+                })
             }
             None => Ok(None),
         };
@@ -94,7 +97,10 @@ pub(super) fn volume(
             let found = mesh.materials.iter().position(|m| m == name);
             let known = mesh.materials.clone();
             let source = SemError::UnknownMaterial { name: name.clone(), known };
-            Some(found.ok_or(PlanError::Place { what: "output.volume.material".into(), source })?)
+            Some(found.ok_or(PlanError::Place {
+                what: "output.volume.material".into(),
+                source: Box::new(source),
+            })?)
         }
     };
     let numbering = ground.numbering();

@@ -77,7 +77,14 @@ fn check_names(scene: &Scene, mesh: &Mesh, path: &Path) -> Result<(), PlanError>
         let (place, name) = (scene.source.place_of("domain.dimension"), expected.to_string());
         let present = vec![mesh.dimension.to_string()];
         let help = "give the dimension of the mesh";
-        return Err(PlanError::MeshName { place, what: "dimension", name, path: path.into(), present, help });
+        return Err(PlanError::MeshName {
+            place,
+            what: "dimension",
+            name,
+            path: path.into(),
+            present: present.into(),
+            help,
+        });
     }
     let given: Vec<String> = scene.material.iter().map(|m| m.name.clone()).collect();
     if let Some(name) = mesh.materials.iter().find(|name| !given.contains(name)) {
@@ -87,15 +94,29 @@ fn check_names(scene: &Scene, mesh: &Mesh, path: &Path) -> Result<(), PlanError>
         let place = scene.source.place_of(&format!("material[{}].name", number + 1));
         let (what, name, present) = ("material", given[number].clone(), mesh.materials.clone());
         let help = "take it out, or name it as the physical group of the mesh";
-        return Err(PlanError::MeshName { place, what, name, path: path.into(), present, help });
+        return Err(PlanError::MeshName {
+            place,
+            what,
+            name,
+            path: path.into(),
+            present: present.into(),
+            help,
+        });
     }
     let boundaries = scene.domain.iter().flat_map(|d| d.boundary.keys());
     if let Some(name) = boundaries.into_iter().find(|name| mesh.boundary(name).is_none()) {
         let place = scene.source.place_of(&format!("domain.boundary.{name}"));
-        let present = mesh.boundaries.iter().map(|b| b.name.clone()).collect();
+        let present: Vec<String> = mesh.boundaries.iter().map(|b| b.name.clone()).collect();
         let help = "take it out, or name it as the physical group of the mesh";
         let (what, name) = ("boundary", name.clone());
-        return Err(PlanError::MeshName { place, what, name, path: path.into(), present, help });
+        return Err(PlanError::MeshName {
+            place,
+            what,
+            name,
+            path: path.into(),
+            present: present.into(),
+            help,
+        });
     }
     Ok(())
 }
@@ -177,7 +198,10 @@ impl BoxSizes {
 /// Checks a mesh; a fault of a file's element is told with Gmsh's tag.
 pub fn checked(mesh: &Mesh, order: usize, file: Option<&FileMesh>) -> Result<MeshReport, PlanError> {
     check(mesh, order).map_err(|source| match file {
-        Some(file) => PlanError::Place { what: format!("domain.mesh: {}", file.path.display()), source },
+        Some(file) => PlanError::Place {
+            what: format!("domain.mesh: {}", file.path.display()),
+            source: Box::new(source),
+        },
         None => source.into(),
     })
 }

@@ -143,8 +143,13 @@ pub struct VolumePlan {
     pub moves_y: bool,
 }
 
+/// Points from which a step takes long enough (some 0.3 ms) that threads gain more than they wait for each
+/// other; below, a thread that the machine holds up for an instant costs more than the step.
+pub(super) const PARALLEL_POINTS: usize = 20_000;
+
 impl VolumePlan {
-    /// Decides everything. `threads` serve the spectral bound; they run in the current `rayon` pool.
+    /// Decides everything. `threads` serve the spectral bound and the run; they run in the current `rayon`
+    /// pool. Ground of fewer than some 20 000 points stays on one.
     ///
     /// # Errors
     /// Whatever of the scene, its mesh and its records cannot be used; a step above the critical one; too little memory.
@@ -163,6 +168,7 @@ impl VolumePlan {
         let materials = in_order(&values, &made.mesh);
         let mut ground = assemble(scene, made.mesh, &values, &resolution, &frequencies, mechanisms.0)?;
         let limiting = limiting(&ground, made.file.as_ref());
+        let threads = if ground.numbering().nodes < PARALLEL_POINTS { 1 } else { threads };
         let dt_critical = critical(&ground, precision, threads, &mut notes)?;
         let sampling = sampling(scene, dt_critical, &limiting, &frequencies, time)?;
         let moves_y = load(scene, &mut ground, &signals, &sampling, &mut notes)?;
@@ -207,6 +213,7 @@ impl VolumePlan {
     }
 
     /// Points.
+    #[allow(clippy::misnamed_getters)] // a numbering's nodes are the points of all elements
     pub fn points(&self) -> usize {
         self.ground.numbering().nodes
     }
@@ -397,7 +404,10 @@ fn sensors(scene: &Scene, ground: &Ground, notes: &mut Notes) -> Result<Vec<Plan
     let locator = Locator::new(ground.mesh());
     let mut sensors = vec![];
     for sensor in scene.sensors() {
-        let placed = |source| PlanError::Place { what: format!("station `{}`", sensor.name), source };
+        let placed = |source| PlanError::Place {
+            what: format!("station `{}`", sensor.name),
+            source: Box::new(source),
+        };
         let asked = sources::position(&locator, &sensor.at).map_err(placed)?;
         let probe = ground.probe(&locator, asked).map_err(placed)?;
         let on_side = |x: &f64| (1.0 - x.abs()).abs() < 1e-9;

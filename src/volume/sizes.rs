@@ -99,7 +99,7 @@ pub fn resolution(
         Auto::Value(points) => (points, "user".to_owned()),
         Auto::Auto => {
             let points = points_per_wavelength(order, scene.accuracy, frequencies, time)?;
-            let floor = if points == POINTS_FLOOR { ", not below 4" } else { "" };
+            let floor = if points <= POINTS_FLOOR { ", not below 4" } else { "" };
             let why = format!(
                 "auto: plane waves of order {order} keep their phase to {:.1e} of {:.3} s{floor}",
                 SHARE * scene.accuracy,

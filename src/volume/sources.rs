@@ -8,6 +8,9 @@ use hati_sem::SemError;
 use hati_sem::mesh::{Locator, Mesh};
 use hati_sem::solid::Ground;
 
+/// Points and forces per unit amplitude.
+type Forces = Vec<(u32, [f64; 3])>;
+
 /// A source with its record read.
 #[derive(Debug, Clone)]
 pub struct Signal {
@@ -192,8 +195,9 @@ pub fn forces(
     locator: &Locator<'_>,
     planes: &[Plane],
     signal: &Signal,
-) -> Result<(Vec<(u32, [f64; 3])>, Option<String>), PlanError> {
-    let placed = |source| PlanError::Place { what: format!("source `{}`", signal.name), source };
+) -> Result<(Forces, Option<String>), PlanError> {
+    let placed =
+        |source| PlanError::Place { what: format!("source `{}`", signal.name), source: Box::new(source) };
     let mut warning = None;
     let dimension = ground.mesh().dimension;
     let forces = match &signal.action {

@@ -24,6 +24,9 @@ use pulp::Simd;
 /// Values at the points of one batch, `[ζ][η][ξ]`.
 pub(super) type Cube<V, const P: usize, const K: usize> = [[[V; P]; P]; K];
 
+/// Fluxes on a plane, `[local axis][component][η][ξ]`.
+type Fluxes<V, const P: usize> = [[[[V; P]; P]; 3]; 3];
+
 /// Working memory of a batch; lives on the stack.
 pub(super) struct Work<V, const P: usize, const K: usize> {
     /// Position at the kick, per component.
@@ -32,7 +35,7 @@ pub(super) struct Work<V, const P: usize, const K: usize> {
     pub v: [Cube<V, P, K>; 3],
     /// Internal force, per component.
     pub f: [Cube<V, P, K>; 3],
-    flux: [[[[V; P]; P]; 3]; 3],
+    flux: Fluxes<V, P>,
     metric: [[[V; 9]; P]; P],
     weight: [[V; P]; P],
 }
@@ -558,7 +561,7 @@ fn scatter_plane<T: Real, S: Simd, const P: usize, const K: usize>(
     ops: Ops<T, S>,
     d: &[[T::Vector<S>; P]; P],
     k: usize,
-    flux: &[[[[T::Vector<S>; P]; P]; 3]; 3],
+    flux: &Fluxes<T::Vector<S>, P>,
     f: &mut [Cube<T::Vector<S>, P, K>; 3],
 ) {
     for c in 0..3 {

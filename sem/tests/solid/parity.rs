@@ -7,7 +7,7 @@ use hati_sem::mesh::Locator;
 use hati_sem::solid::reference::ReferenceSolid;
 use hati_sem::solid::{Execution, Ground, Instructions, Real, Solid, Watch};
 
-const STEPS: usize = 12;
+const STEPS: usize = 8;
 
 fn loaded(dimension: usize, geometry: usize, deformed: bool, order: usize, damped: bool) -> Ground {
     let mesh = small_box(dimension, geometry, deformed);
@@ -60,7 +60,9 @@ fn check<T: Real>(dimension: usize, order: usize, geometry: usize, deformed: boo
     let dt = 0.02 / (order * order) as f64;
     let expected = by_reference(&ground, dt);
     for instructions in [Instructions::Best, Instructions::Portable] {
-        for threads in [1, 2] {
+        // the passes that threads share are the same on both paths
+        let counts: &[usize] = if instructions == Instructions::Best { &[1, 2] } else { &[1] };
+        for &threads in counts {
             let mut solid = Solid::<T>::new(&ground, dt, dt, Execution { threads, instructions });
             let error = difference(&everywhere(&ground, &mut solid, STEPS), &expected);
             let case = format!(
@@ -79,6 +81,10 @@ fn every_order_dimension_precision_geometry_and_law_steps_like_the_reference() {
         for order in 1..=10 {
             for (geometry, deformed) in [(1, false), (1, true), (2, true)] {
                 for damped in [false, true] {
+                    // the largest elements once, with everything on
+                    if dimension == 3 && order > 8 && !(deformed && damped) {
+                        continue;
+                    }
                     check::<f32>(dimension, order, geometry, deformed, damped);
                     check::<f64>(dimension, order, geometry, deformed, damped);
                 }

@@ -6,6 +6,9 @@ use hati_sem::mesh::{BoxLayer, LayeredBox, Locator, Mesh};
 use hati_sem::solid::{Execution, Ground, Material, Real, Solid, Support, Watch};
 use std::f64::consts::PI;
 
+/// Radial and downward motion at each distance.
+type Motions = [[Vec<f64>; 2]; 3];
+
 /// Distances of the receivers from the force, m.
 pub const LAMB_DISTANCES: [f64; 3] = [10.0, 20.0, 40.0];
 /// Instants per second at which records are compared.
@@ -181,11 +184,7 @@ impl LambModel {
 }
 
 /// Radial and downward displacement at every kick.
-fn record<T: Real>(
-    ground: &Ground,
-    mut solid: Solid<T>,
-    steps: usize,
-) -> Result<([[Vec<f64>; 2]; 3], f64), SemError> {
+fn record<T: Real>(ground: &Ground, mut solid: Solid<T>, steps: usize) -> Result<(Motions, f64), SemError> {
     let locator = Locator::new(ground.mesh());
     let mut probes = vec![];
     let mut points = vec![];
