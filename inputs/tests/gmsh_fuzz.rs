@@ -1,30 +1,15 @@
 //! Mutated mesh files: every one is read or refused; nothing panics, hangs or asks for endless memory.
 
+mod chance;
 mod gmsh;
 
+use chance::Chance;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use hati_inputs::InputError;
 use hati_inputs::gmsh::{GmshMesh, read};
-
-/// SplitMix64: the same mutations on every machine.
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
 
 /// Words that readers of text trip over.
 const WORDS: [&[u8]; 16] = [

@@ -1,7 +1,9 @@
 //! Mutated record files over all readers: every one is read or refused; nothing crashes, hangs or runs code.
 
+mod chance;
 mod python;
 
+use chance::Chance;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -13,23 +15,6 @@ use hati_inputs::records::{Channel, Limits, ReadOptions, Response, Source, Unit,
 const BATCH: usize = 250;
 /// Largest seed, bytes: more of the same lines tells a reader nothing new.
 const SEED_BYTES: u64 = 70_000;
-
-/// SplitMix64: the same mutations on every machine.
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
 
 /// Words that readers of text trip over.
 const WORDS: [&[u8]; 18] = [
