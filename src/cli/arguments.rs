@@ -68,9 +68,9 @@ pub(super) struct RunArguments {
     /// Stop as if interrupted after this wall time: seconds, or with s, min or h.
     #[arg(long, value_parser = wall_time)]
     pub(super) max_wall_time: Option<Duration>,
-    /// Threads of a run in two or three dimensions [default: all of the machine].
-    #[arg(long, value_name = "N")]
-    pub(super) threads: Option<std::num::NonZeroUsize>,
+    /// Threads of a run in two or three dimensions, 1 to 1024 [default: all of the machine].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
     /// Go on from the checkpoint of the folder, bit for bit as if nothing had happened; without one start anew.
     #[arg(long)]
     pub(super) restart: bool,

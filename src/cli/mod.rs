@@ -358,8 +358,10 @@ fn verify(a: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
 fn write_figures(out: &Path, figures: &[crate::verify::CaseFigure]) -> Result<(), OutputError> {
     std::fs::create_dir_all(out).map_err(|cause| OutputError::from_io(out, cause))?;
     for f in figures {
-        for (ending, text) in [("svg", &f.svg), ("csv", &f.csv)] {
-            let path = out.join(format!("{}.{ending}", f.name));
+        let drawing = (format!("{}.svg", f.name), &f.svg);
+        let tables = f.tables.iter().map(|(name, text)| (format!("{name}.csv"), text));
+        for (name, text) in std::iter::once(drawing).chain(tables) {
+            let path = out.join(name);
             crate::outputs::replace_bytes(&path, text.as_bytes(), false)?;
             tell(&format!("{}\n", path.display()));
         }

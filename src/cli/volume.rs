@@ -21,9 +21,9 @@ impl From<VolumeError> for Failure {
 }
 
 /// Threads: as many as asked, else all of the machine.
-fn threads(asked: Option<std::num::NonZeroUsize>) -> usize {
+fn threads(asked: Option<u16>) -> usize {
     let all = || std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
-    asked.map_or_else(all, std::num::NonZeroUsize::get)
+    asked.map_or_else(all, usize::from)
 }
 
 /// Does something in a pool of so many threads.

@@ -24,8 +24,8 @@ pub use pair::{pair_profile, surface_from_within};
 pub use solid::{manufactured_error, manufactured_sizes, realised_error};
 pub use stepping::standing_wave_error;
 pub use waves::{
-    CostRow, Footprint, LAMB_DISTANCES, LOH1_RATE, LambModel, LambRecord, Loh1Model, Loh1Record,
-    cost_of_lamb, cost_to_reach, lamb_closed_form, loh1_reference,
+    Footprint, LAMB_DISTANCES, LOH1_RATE, LambModel, LambRecord, Loh1Model, Loh1Record, lamb_closed_form,
+    loh1_reference,
 };
 
 /// One compared quantity.
@@ -125,12 +125,12 @@ const CASES: &[Case] = &[
 /// A figure of a case with the numbers behind it.
 #[derive(Debug, Clone)]
 pub struct CaseFigure {
-    /// Name of its files, without ending.
+    /// Name of its file, without ending.
     pub name: &'static str,
     /// The drawing.
     pub svg: String,
-    /// The numbers, with a line of names.
-    pub csv: String,
+    /// The numbers: name of a CSV file, without ending, and its text, with a line of names.
+    pub tables: Vec<(&'static str, String)>,
 }
 
 /// Draws a case's figure.

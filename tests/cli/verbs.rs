@@ -149,6 +149,8 @@ fn the_command_line_itself() {
     hati(folder.path(), &["run"]).exits(2).prints_nothing().tells(&["SCENE"]);
     hati(folder.path(), &["record"]).exits(2).prints_nothing();
     hati(folder.path(), &["plan", "--jsn", "x"]).exits(2).prints_nothing().tells(&["--json"]);
+    let threads = ["run", "scene.toml", "--threads", "100000"];
+    hati(folder.path(), &threads).exits(2).prints_nothing().tells(&["100000", "1..=1024"]);
     hati(folder.path(), &["plan", "x", "--json", "--dance"]).fails_in_json(2, &["--dance"]);
     let none: [&str; 0] = [];
     hati(folder.path(), &none).exits(2).prints_nothing();

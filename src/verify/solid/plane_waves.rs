@@ -117,5 +117,5 @@ pub(in crate::verify) fn dispersion_chart() -> Result<CaseFigure, RunError> {
         curves.push(curve);
     }
     let (svg, csv) = dispersion_figure(&curves, PART);
-    Ok(CaseFigure { name: "dispersion", svg, csv })
+    Ok(CaseFigure { name: "dispersion", svg, tables: vec![("dispersion", csv)] })
 }

@@ -1,6 +1,6 @@
 //! Error against cost of Lamb's problem over order, element size, step and precision.
 
-use super::lamb::{Footprint, LambModel, difference};
+use super::lamb::{Footprint, LAMB_DISTANCES, LambModel, difference};
 use super::{CaseResult, Check, closed_form};
 use crate::run::RunError;
 use crate::verify::{CaseFigure, twist};
@@ -27,7 +27,7 @@ const END: f64 = 0.54;
 
 /// One run of Lamb's problem.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CostRow {
+struct CostRow {
     /// Polynomial order.
     pub order: usize,
     /// `f32` or `f64`.
@@ -73,7 +73,7 @@ fn row<T: Real>(order: usize, count: usize, step_share: f64, vs_factor: f64) -> 
 }
 
 /// All runs of the chart, once a process: 175 runs, half an hour; order 2 has no fast kernel and stops earlier.
-pub fn cost_of_lamb() -> Result<&'static [CostRow], SemError> {
+fn cost_of_lamb() -> Result<&'static [CostRow], SemError> {
     static ROWS: OnceLock<Vec<CostRow>> = OnceLock::new();
     if let Some(rows) = ROWS.get() {
         return Ok(rows);
@@ -107,13 +107,7 @@ fn best(rows: &[CostRow], order: usize, precision: &str, nearest: usize) -> Vec<
 /// Cost at which an order reaches an error at the receivers from the `nearest` (0, 1, 2) on, by logarithmic
 /// interpolation between its best runs; that of the cheapest run where even this is better, `None` where no
 /// run is as good.
-pub fn cost_to_reach(
-    rows: &[CostRow],
-    order: usize,
-    precision: &str,
-    nearest: usize,
-    error: f64,
-) -> Option<f64> {
+fn cost_to_reach(rows: &[CostRow], order: usize, precision: &str, nearest: usize, error: f64) -> Option<f64> {
     let kept = best(rows, order, precision, nearest);
     let after = kept.iter().position(|p| p.1 <= error)?;
     let Some(before) = after.checked_sub(1) else { return Some(kept[0].0) };
@@ -170,5 +164,31 @@ pub(in crate::verify) fn cost_chart() -> Result<CaseFigure, RunError> {
             r.cost
         ));
     }
-    Ok(CaseFigure { name: "lamb-chart", svg: crate::report::cost_figure(&curves), csv })
+    let svg = crate::report::cost_figure(&curves);
+    Ok(CaseFigure {
+        name: "lamb-chart",
+        svg,
+        tables: vec![("lamb-chart", csv), ("lamb-chart-orders", orders(rows))],
+    })
+}
+
+/// Cost of every order at 10 %, 1 % and 0.1 %, at all receivers and at the farthest, with the width and the step
+/// share of its cheapest run that is as good. Nothing stands where no run is.
+fn orders(rows: &[CostRow]) -> String {
+    let mut csv = String::from(
+        "nearest_receiver_m,error,order,precision,cpu_s_per_simulated_s,cheapest_run_width_m,cheapest_run_step_share\n",
+    );
+    for (nearest, error) in [0, 2].into_iter().flat_map(|r| [1e-1, 1e-2, 1e-3].map(|e| (r, e))) {
+        for (order, precision) in COUNTS.into_iter().flat_map(|(n, _)| ["f32", "f64"].map(|p| (n, p))) {
+            let good =
+                |r: &&CostRow| r.order == order && r.precision == precision && r.error(nearest) <= error;
+            let cheapest = rows.iter().filter(good).min_by(|a, b| a.cost.total_cmp(&b.cost));
+            let cost = cost_to_reach(rows, order, precision, nearest, error);
+            let told = cheapest
+                .zip(cost)
+                .map_or(",,".into(), |(run, cost)| format!("{cost:.4e},{:.4},{}", run.width, run.step_share));
+            csv.push_str(&format!("{},{error},{order},{precision},{told}\n", LAMB_DISTANCES[nearest]));
+        }
+    }
+    csv
 }

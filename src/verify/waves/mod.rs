@@ -4,7 +4,6 @@ mod cost;
 mod lamb;
 mod loh1;
 
-pub use cost::{CostRow, cost_of_lamb, cost_to_reach};
 pub(super) use cost::{cost_chart, lamb_chart};
 pub use lamb::{Footprint, LAMB_DISTANCES, LambModel, LambRecord, lamb_closed_form};
 pub use loh1::{LOH1_RATE, Loh1Model, Loh1Record};
