@@ -189,8 +189,8 @@ impl VolumePlan {
             );
         }
         let word = if self.precision == Precision::F32 { "f32" } else { "f64" };
-        let why = "half the memory and up to twice the speed; seven digits";
-        told.add("discretisation.precision", word.into(), d.precision.is_auto(), why, json!(word));
+        let why = self.rounding.why();
+        told.add("discretisation.precision", word.into(), d.precision.is_auto(), &why, json!(word));
     }
 
     fn explain_step(&self, scene: &Scene, notes: &Notes, told: &mut Told) {
@@ -274,6 +274,7 @@ impl VolumePlan {
                 f.of_sources, f.f_max
             ));
         }
+        self.warnings.extend(self.rounding.warning());
         let allowed = super::sizes::accurate_step(self.accuracy, f, facts.time);
         if self.sampling.dt > 1.01 * allowed {
             self.warnings.push(format!(
@@ -353,7 +354,7 @@ impl VolumePlan {
     /// The plan as JSON.
     pub fn to_json(&self) -> Value {
         json!({
-            "accuracy": { "asked": self.accuracy },
+            "accuracy": { "asked": self.accuracy, "noise_of_f32": self.rounding.single, "noise_allowed": self.rounding.allowed },
             "model": self.model_json(),
             "limits": {
                 "dt_critical": self.dt_critical, "element": self.limiting.element, "centre": self.limiting.centre,

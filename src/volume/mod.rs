@@ -15,6 +15,7 @@ mod files;
 pub mod mesh;
 mod plan;
 mod report;
+pub mod rounding;
 mod run;
 pub mod sampling;
 pub mod sizes;
