@@ -21,6 +21,8 @@ const THREAD: f64 = 0.9;
 /// Vectors of f64 that the spectral bound keeps of the whole ground: it ends after about ten steps at the tolerance
 /// asked, twice that where the mesh is graded.
 const LANCZOS_VECTORS: f64 = 20.0;
+/// Share of the run beyond which a filter's reach is told.
+const LONG_FILTER: f64 = 0.1;
 /// Points per shear wavelength below which a material is called coarse.
 const COARSE: f64 = 0.95;
 
@@ -170,7 +172,12 @@ impl VolumePlan {
         }
         let (count, error) = self.mechanisms;
         if count > 0 {
-            let why = format!("the modulus is within {error:.1e} of the causal law over the band");
+            let allowed = super::sizes::modulus_error(self.accuracy, f, facts.time);
+            let why = format!(
+                "the modulus is within {error:.1e} of the causal law over the band; {allowed:.1e} keeps waves of {:.3} Hz \
+                 for {:.3} s",
+                f.f_half, facts.time
+            );
             told.add(
                 "discretisation.mechanisms",
                 count.to_string(),
@@ -224,9 +231,14 @@ impl VolumePlan {
             let how = match rows {
                 Rows::Picked { .. } => "taken as they are, nothing faster is there".to_owned(),
                 Rows::Filtered { .. } => format!(
-                    "low-passed at {:.3} Hz; of the last {:.3} s rows see a motion that stands still",
+                    "low-passed at {:.3} Hz, to be read up to {:.3} Hz, the motion goes up to {:.3} Hz; a row sees \
+                     {:.3} s ahead and back, so what comes is felt before it comes, and rows of the last {:.3} s see a \
+                     motion that stands still",
                     0.5 / dt,
-                    11.0 * dt
+                    0.4 / dt,
+                    self.frequencies.content(),
+                    rows.reach(),
+                    rows.reach()
                 ),
             };
             told.add(key, format!("{dt:.6e} s"), auto, &format!("{what}: {how}"), json!(dt));
@@ -275,6 +287,18 @@ impl VolumePlan {
             ));
         }
         self.warnings.extend(self.rounding.warning());
+        self.warnings.extend(self.filtered());
+        let (count, error) = self.mechanisms;
+        let modulus = super::sizes::modulus_error(self.accuracy, f, facts.time);
+        if count > 0 && error > 1.01 * modulus {
+            self.warnings.push(format!(
+                "{count} mechanisms keep the modulus to {error:.1e}, and waves of {:.3} Hz need {modulus:.1e} to keep phase and \
+                 amplitude to {:.1e} over {:.3} s: leave discretisation.mechanisms to \"auto\", or shorten the path",
+                f.f_half,
+                SHARE * self.accuracy,
+                facts.time
+            ));
+        }
         let allowed = super::sizes::accurate_step(self.accuracy, f, facts.time);
         if self.sampling.dt > 1.01 * allowed {
             self.warnings.push(format!(
@@ -282,6 +306,30 @@ impl VolumePlan {
                 self.sampling.dt, f.f_half, SHARE * self.accuracy
             ));
         }
+    }
+
+    /// Files whose filter is long for the run.
+    fn filtered(&self) -> Vec<String> {
+        let duration = (self.sampling.samples - 1) as f64 * self.sampling.sample_dt();
+        let all = [
+            ("output.surface", self.surface.as_ref().filter(|s| !s.motions.is_empty()).map(|s| &s.rows)),
+            ("output.volume", self.volume.as_ref().map(|v| &v.rows)),
+            ("output.field", self.field.as_ref().map(|f| &f.rows)),
+        ];
+        let long = |(key, rows): (&str, Option<&Rows>)| {
+            let reach = rows?.reach();
+            (reach > LONG_FILTER * duration).then(|| {
+                let dt = rows.map_or(0.0, |r| r.dt(&self.sampling));
+                format!(
+                    "{key}.dt = {dt:.4e} s: rows are low-passed by a filter that reaches {reach:.3} s ahead and back, {:.0} % of \
+                     the run: rows before the motion are not zero, and those of the last {reach:.3} s see a standstill; give \
+                     a dt of {:.3e} s or less, which needs no filter, or a longer run",
+                    100.0 * reach / duration,
+                    0.4 / self.frequencies.content()
+                )
+            })
+        };
+        all.into_iter().filter_map(long).collect()
     }
 
     /// Memory of a run, bytes.

@@ -165,7 +165,8 @@ impl VolumePlan {
         let (resolution, points_why) = sizes::resolution(scene, &frequencies, time)?;
         let mut notes = Notes::default();
         let made = Made::new(scene, file, &values, &resolution)?;
-        let mechanisms = sizes::mechanisms(scene, &values, &frequencies)?;
+        let asked = scene.discretisation.mechanisms;
+        let mechanisms = sizes::mechanisms(asked, scene.accuracy, &values, &frequencies, time)?;
         let report = mesh::checked(&made.mesh, resolution.order, made.file.as_ref())?;
         let materials = in_order(&values, &made.mesh);
         let mut ground = assemble(scene, made.mesh, &values, &resolution, &frequencies, mechanisms.0)?;
@@ -395,7 +396,7 @@ fn sampling(
         }
     };
     let duration = scene.run.map_or(0.0, |r| r.duration);
-    Ok(Sampling::new(dt, frequencies.f_max, closest, duration))
+    Ok(Sampling::new(dt, frequencies.content(), closest, duration))
 }
 
 /// Adds the sources; whether anything moves along y.
