@@ -1,11 +1,11 @@
 //! The plan in words and as JSON; memory, disk and time.
 
-use super::mesh::BoxSizes;
+use super::mesh::{BoxSizes, PlannedBoundary};
 use super::plan::{Limiting, VolumePlan};
 use super::sampling::Rows;
 use super::sizes::SHARE;
 use crate::plan::{PlanError, Reason, available_memory};
-use hati_inputs::scene::{Precision, Resolved, Scene};
+use hati_inputs::scene::{BoundaryKind, Precision, Resolved, Scene};
 use serde_json::{Value, json};
 use std::fmt;
 
@@ -49,6 +49,13 @@ pub(super) fn place(x: [f64; 3], dimension: usize) -> String {
     match dimension {
         2 => format!("x = {} m, z = {} m", trimmed(x[0]), trimmed(x[2])),
         _ => format!("x = {} m, y = {} m, z = {} m", trimmed(x[0]), trimmed(x[1]), trimmed(x[2])),
+    }
+}
+
+impl fmt::Display for PlannedBoundary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let origin = if self.given { "user" } else { "default" };
+        write!(f, "`{}` {} ({origin})", self.name, self.kind.as_str())
     }
 }
 
@@ -170,6 +177,7 @@ impl VolumePlan {
             let why = if file.scripted { "made by Gmsh from the script of the scene" } else { "user" };
             told.remark("domain.mesh", words, why.into());
         }
+        self.explain_boundaries(told);
         let (count, error) = self.mechanisms;
         if count > 0 {
             let allowed = super::sizes::modulus_error(self.accuracy, f, facts.time);
@@ -198,6 +206,21 @@ impl VolumePlan {
         let word = if self.precision == Precision::F32 { "f32" } else { "f64" };
         let why = self.rounding.why();
         told.add("discretisation.precision", word.into(), d.precision.is_auto(), &why, json!(word));
+    }
+
+    /// Every boundary with its kind; those of a mesh that the scene leaves out also go into the resolved scene.
+    fn explain_boundaries(&self, told: &mut Told) {
+        let why = "`top` is free, `bottom` over a rigid base fixed, every other absorbs";
+        for b in self.boundaries.iter().filter(|b| !b.given && self.file.is_some()) {
+            let (key, value) = (format!("domain.boundary.{}", b.name), b.kind.as_str().into());
+            told.resolved.push(Resolved { key, value, why: why.into() });
+        }
+        let loose = self.report.unnamed_sides;
+        let loose = (loose > 0).then(|| format!("{loose} sides in no group free (default)"));
+        let words: Vec<String> = self.boundaries.iter().map(PlannedBoundary::to_string).chain(loose).collect();
+        let all_given = self.boundaries.iter().all(|b| b.given);
+        let why = if all_given { "user".to_owned() } else { format!("default: {why}") };
+        told.remark("domain.boundary", words.join(", "), why);
     }
 
     fn explain_step(&self, scene: &Scene, notes: &Notes, told: &mut Told) {
@@ -288,6 +311,13 @@ impl VolumePlan {
         }
         self.warnings.extend(self.rounding.warning());
         self.warnings.extend(self.filtered());
+        let free = self.boundaries.iter().any(|b| b.kind == BoundaryKind::Free);
+        if self.file.is_some() && !free && self.report.unnamed_sides == 0 {
+            self.warnings.push(
+                "the mesh has no free boundary: name the group of its surface `top`, or give domain.boundary.NAME = \"free\""
+                    .to_owned(),
+            );
+        }
         let (count, error) = self.mechanisms;
         let modulus = super::sizes::modulus_error(self.accuracy, f, facts.time);
         if count > 0 && error > 1.01 * modulus {
@@ -437,6 +467,10 @@ impl VolumePlan {
             "points_per_wavelength": self.resolution.points_per_wavelength,
             "reference_frequency": self.frequencies.reference,
             "materials": self.materials,
+            "boundaries": self.boundaries.iter().map(|b| json!({
+                "name": b.name, "kind": b.kind.as_str(), "from": if b.given { "user" } else { "default" }, "sides": b.sides,
+            })).collect::<Vec<_>>(),
+            "sides_in_no_group": self.report.unnamed_sides,
             "duration_s": (s.samples - 1) as f64 * s.sample_dt(),
             "stations": self.sensors.len(),
         })

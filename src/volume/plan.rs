@@ -1,7 +1,7 @@
 //! Everything that a run in two or three dimensions needs, decided.
 
 use super::explain::{Facts, Notes};
-use super::mesh::{self, BoxSizes, FileMesh, MeshOptions};
+use super::mesh::{self, BoxSizes, FileMesh, MeshOptions, PlannedBoundary};
 use super::rounding::{self, Rounding};
 use super::sampling::{Rows, Sampling, auto_rows, step_for};
 use super::sizes::{self, Frequencies};
@@ -96,6 +96,8 @@ pub struct VolumePlan {
     pub ground: Ground,
     /// Facts about the mesh.
     pub report: MeshReport,
+    /// What holds on the boundaries.
+    pub boundaries: Vec<PlannedBoundary>,
     /// The mesh's file, if it is one.
     pub file: Option<FileMesh>,
     /// Constants of the materials, in the mesh's order.
@@ -182,6 +184,7 @@ impl VolumePlan {
             dimension: scene.dimension(),
             reached: reached(&ground, &materials, &resolution),
             report,
+            boundaries: mesh::kinds(scene, ground.mesh()),
             file: made.file,
             materials,
             frequencies,
