@@ -217,7 +217,8 @@ impl VolumePlan {
         }
         let loose = self.report.unnamed_sides;
         let loose = (loose > 0).then(|| format!("{loose} sides in no group free (default)"));
-        let words: Vec<String> = self.boundaries.iter().map(PlannedBoundary::to_string).chain(loose).collect();
+        let words: Vec<String> =
+            self.boundaries.iter().map(PlannedBoundary::to_string).chain(loose).collect();
         let all_given = self.boundaries.iter().all(|b| b.given);
         let why = if all_given { "user".to_owned() } else { format!("default: {why}") };
         told.remark("domain.boundary", words.join(", "), why);

@@ -371,6 +371,10 @@ impl Streams {
     }
 }
 
+/// The motions in the order of the rows.
+pub(super) const MOTIONS: [OutputQuantity; 3] =
+    [OutputQuantity::Displacement, OutputQuantity::Velocity, OutputQuantity::Acceleration];
+
 impl Stations {
     fn open<T: Real>(
         plan: &VolumePlan,
@@ -426,9 +430,11 @@ impl Stations {
                 self.watch.at(&sensor.probe, self.firsts[number]);
             let all = [displacement, velocity, acceleration];
             for (motion, values) in all.iter().enumerate() {
+                let asked = sensor.quantities.contains(&MOTIONS[motion]);
                 for (slot, &axis) in axes.iter().enumerate() {
                     finite &= values[axis].is_finite();
-                    self.row[(motion * axes.len() + slot) * count + number] = values[axis];
+                    self.row[(motion * axes.len() + slot) * count + number] =
+                        if asked { values[axis] } else { f64::NAN };
                 }
             }
             let mut variable = 3 * axes.len();

@@ -213,9 +213,8 @@ mod tests {
     #[test]
     fn mechanisms_keep_a_wave_over_its_whole_path() {
         let frequencies = Frequencies { f_max: 2.7, f_half: 1.7, reference: 0.4, of_sources: 2.7 };
-        let chosen = |time: f64| {
-            mechanisms(Auto::Auto, 1e-2, &[ground(0.02)], &frequencies, time).expect("a fit").0
-        };
+        let chosen =
+            |time: f64| mechanisms(Auto::Auto, 1e-2, &[ground(0.02)], &frequencies, time).expect("a fit").0;
         let (short, long) = (chosen(0.1), chosen(25.0));
         let found = error_after(25.0, 0.02, long, &frequencies);
         assert!(found < 1e-2, "{long} mechanisms: {found:e} after 25 wavelengths");

@@ -9,7 +9,7 @@ use super::super::types::{
     Auto, DT_FROM, Discretisation, ELEMENTS_TO, FIELD_INTERVALS_TO, FieldSpacing, Output, StationEntry,
     TAIL_TO,
 };
-use super::super::volume::{POINTS_TO, Precision};
+use super::super::volume::{POINTS_TO, Precision, SIZE_FROM};
 use super::domain;
 use super::domain::coordinates;
 use super::motion::MAX_SAMPLES;
@@ -31,7 +31,7 @@ pub(super) fn discretisation(
     let order = cx.auto_whole(s, "order", 1, 10);
     let blocks = layer_count.map(|layers| layers + usize::from(domain.continued));
     let elements = elements(cx, s, blocks, domain.continued);
-    let element_size = cx.auto_number(s, "element_size", &Bounds::positive("m"));
+    let element_size = cx.auto_number(s, "element_size", &Bounds::at_least(SIZE_FROM, "m"));
     let bounds = Bounds::between(2.0, POINTS_TO, "");
     let points_per_wavelength = cx.auto_number(s, "points_per_wavelength", &bounds);
     let f_max = cx.auto_number(s, "f_max", &Bounds::positive("Hz"));
