@@ -287,7 +287,7 @@ pub(super) fn finish<T: Real>(
             Pass::Step => {
                 for (((x, v), f), m) in x.iter_mut().zip(v).zip(f).zip(dt_over_mass) {
                     *v = kick(*v, T::default() - *f, *m);
-                    *x = drift(*x, *v, model.dt);
+                    *x = drift(*x, *v, model.dt).settle();
                 }
             }
             Pass::UnrelaxedForce => v.copy_from_slice(&f[..inner]),

@@ -249,7 +249,7 @@ impl<T: Real> Shared<'_, T> {
             let f = self.sum(range);
             for c in 0..3 {
                 v[c] = kick(v[c], zero - f[c], *m);
-                x[c] = drift(x[c], v[c], dt);
+                x[c] = drift(x[c], v[c], dt).settle();
             }
         }
         let mut exchange = Exchange::default();
@@ -290,7 +290,7 @@ impl<T: Real> Shared<'_, T> {
         }
         for c in 0..3 {
             v[c] = T::of(after[c]);
-            x[c] = drift(x[c], v[c], self.model.dt);
+            x[c] = drift(x[c], v[c], self.model.dt).settle();
         }
     }
 }
