@@ -1,7 +1,8 @@
 //! The time loop of a run in two or three dimensions.
 
 use super::checkpoint::{self, Head};
-use super::files::{Streams, VolumeError};
+use super::error::VolumeError;
+use super::files::Streams;
 use super::plan::VolumePlan;
 use super::{report, summary};
 use crate::outputs::{OutputError, Provenance, write_progress, write_summary};

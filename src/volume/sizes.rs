@@ -71,44 +71,77 @@ impl Frequencies {
 ///
 /// The phase error after n wavelengths is 2πn times the relative error of the phase speed. It must stay below [`SHARE`] of
 /// the accuracy at `f_half`, where the sources are strong, and below [`SHARE`] of a radian at `f_max`, where their
-/// amplitude is a share `accuracy` of the peak. The dispersion is that of plane waves along the mesh
-/// ([`dispersion::points_per_wavelength`]).
+/// amplitude is a share `accuracy` of the peak. The dispersion is that of plane shear waves in the direction that the mesh
+/// serves worst: along it ([`dispersion::points_per_wavelength`]) times [`dispersion::shear_amplification`], which grows
+/// with `vp_over_vs`.
 pub fn points_per_wavelength(
     order: usize,
     accuracy: f64,
     frequencies: &Frequencies,
     time: f64,
+    vp_over_vs: f64,
 ) -> Result<f64, PlanError> {
     let Frequencies { f_max, f_half, .. } = *frequencies;
-    let allowed = |phase: f64, f: f64| (phase / (2.0 * PI * (f * time).max(1.0))).clamp(1e-12, 0.1);
+    let worse = dispersion::shear_amplification(order, vp_over_vs);
+    let allowed = |phase: f64, f: f64| (phase / (2.0 * PI * (f * time).max(1.0) * worse)).clamp(1e-12, 0.1);
     let strong =
         dispersion::points_per_wavelength(order, allowed(SHARE * accuracy, f_half))? * f_half / f_max;
     let weak = dispersion::points_per_wavelength(order, allowed(SHARE, f_max))?;
     Ok(strong.max(weak).max(POINTS_FLOOR))
 }
 
-/// Resolution of a scene: order, highest frequency, points per wavelength; and the reason for the points.
-pub fn resolution(
+/// Points per wavelength that each material needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Points {
+    /// Order, highest frequency, and the most points of any material.
+    pub resolution: Resolution,
+    /// Points of each material: alike where the scene gives them.
+    pub of: Vec<(String, f64)>,
+}
+
+impl Points {
+    /// Points that a material needs.
+    pub fn wanted(&self, material: &str) -> f64 {
+        let found = self.of.iter().find(|(name, _)| name == material);
+        found.map_or(self.resolution.points_per_wavelength, |(_, points)| *points)
+    }
+
+    /// Whether all materials need the same.
+    pub fn is_uniform(&self) -> bool {
+        self.of.iter().all(|(_, points)| *points == self.resolution.points_per_wavelength)
+    }
+}
+
+/// Points of a scene's materials, and the reason for them.
+pub fn points(
     scene: &Scene,
+    materials: &[MaterialValues],
     frequencies: &Frequencies,
     time: f64,
-) -> Result<(Resolution, String), PlanError> {
+) -> Result<(Points, String), PlanError> {
     let d = &scene.discretisation;
     let order = d.order.value().copied().unwrap_or(ORDER);
-    let (points, why) = match d.points_per_wavelength {
-        Auto::Value(points) => (points, "user".to_owned()),
-        Auto::Auto => {
-            let points = points_per_wavelength(order, scene.accuracy, frequencies, time)?;
-            let floor = if points <= POINTS_FLOOR { ", not below 4" } else { "" };
-            let why = format!(
-                "auto: plane waves of order {order} keep their phase to {:.1e} of {:.3} s{floor}",
-                SHARE * scene.accuracy,
-                time
-            );
-            (points, why)
-        }
-    };
-    Ok((Resolution { f_max: frequencies.f_max, points_per_wavelength: points, order }, why))
+    let mut of = vec![];
+    for m in materials {
+        let points = match d.points_per_wavelength {
+            Auto::Value(points) => points,
+            Auto::Auto => points_per_wavelength(order, scene.accuracy, frequencies, time, m.vp / m.vs)?,
+        };
+        of.push((m.name.clone(), points));
+    }
+    let (least, most) =
+        of.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), (_, p)| (low.min(*p), high.max(*p)));
+    let mut why = format!(
+        "plane shear waves of order {order}, in the worst direction, keep their phase to {:.1e} of {time:.3} s",
+        SHARE * scene.accuracy,
+    );
+    if most <= POINTS_FLOOR {
+        why += &format!(", not below {POINTS_FLOOR}");
+    } else if most > least {
+        why += &format!(", and {least:.2} where vp/vs is smaller");
+    }
+    let resolution = Resolution { f_max: frequencies.f_max, points_per_wavelength: most, order };
+    Ok((Points { resolution, of }, why))
 }
 
 /// Longest step whose phase error after `time` seconds stays below [`SHARE`] of the accuracy at `f_half`, s: the central
@@ -164,4 +197,38 @@ pub fn mechanisms(
         found = (found.0 + 1, error(found.0 + 1)?);
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frequencies(f_max: f64) -> Frequencies {
+        Frequencies { f_max, f_half: 0.6 * f_max, reference: 1.0, of_sources: f_max }
+    }
+
+    /// The points that `auto` takes keep an oblique shear wave's phase within its share of the accuracy; fewer do not.
+    #[test]
+    fn an_oblique_shear_wave_keeps_its_phase() {
+        let (order, accuracy, time) = (4, 1e-3, 20.0);
+        let f = frequencies(5.0);
+        let phase = |points: f64, degrees: f64, vp_over_vs: f64| {
+            // `points` count at f_max; the strong waves are longer
+            let (points, wave) = (points * f.f_max / f.f_half, dispersion::Wave::Sv);
+            let ratio =
+                dispersion::phase_speed_oblique(order, points, degrees.to_radians(), vp_over_vs, wave);
+            2.0 * PI * f.f_half * time * (ratio.unwrap() - 1.0).abs()
+        };
+        for vp_over_vs in [1.6, 2.5, 7.0] {
+            let points = points_per_wavelength(order, accuracy, &f, time, vp_over_vs).unwrap();
+            let worst = |points: f64| {
+                [0.0, 10.0, 20.0, 30.0, 45.0]
+                    .map(|d| phase(points, d, vp_over_vs))
+                    .into_iter()
+                    .fold(0.0, f64::max)
+            };
+            assert!(worst(points) < 1.03 * SHARE * accuracy, "{vp_over_vs}: {:e}", worst(points));
+            assert!(worst(0.9 * points) > SHARE * accuracy, "{vp_over_vs}: {:e}", worst(0.9 * points));
+        }
+    }
 }
