@@ -184,7 +184,8 @@ impl VolumePlan {
         let file = mesh::read(scene, options)?;
         let values = scene.materials();
         let time = travel_time(scene, &values, file.as_ref().map(|f| &f.0));
-        let (points, points_why) = sizes::points(scene, &values, &frequencies, time)?;
+        let highest = file.as_ref().map(|f| f.0.extent().1[2]);
+        let (points, points_why) = sizes::points(scene, &values, &signals, &frequencies, time, highest)?;
         let resolution = points.resolution;
         let mut notes = Notes::default();
         let made = Made::new(scene, file, &values, &points)?;

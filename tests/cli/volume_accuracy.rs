@@ -95,45 +95,38 @@ stations = [{ name = "a", position = [40.0], depth = 0.0 }, { name = "b", positi
     }
 }
 
-/// A box with a soft, a wet (v_p/v_s = 5) and a stiff layer under an oblique force, in three dimensions.
-const BOX_3D: &str = r#"
+/// A quarter of a half-space under a force on its surface: surface waves, and a source that no plane wave tells of.
+const LAMB: &str = r#"
 version = 1
 [domain]
 dimension = 3
-x = [0.0, 60.0]
-y = [0.0, 40.0]
+x = [0.0, 50.0]
+y = [0.0, 50.0]
 depth = 40.0
 [domain.boundary]
+x_min = "symmetry"
 y_min = "symmetry"
-[[soil.layer]]
-thickness = 8.0
-vs = 150.0
-rho = 1800.0
-[[soil.layer]]
-thickness = 12.0
-vs = 250.0
-vp = 1250.0
-rho = 1900.0
 [soil.base]
 kind = "elastic"
-vs = 400.0
-rho = 2000.0
+vs = 200.0
+vp = 346.41
+rho = 1800.0
 [[source]]
 kind = "force"
-position = [14.0, 0.0, -9.0]
-force = [5e5, 0.0, -1e6]
-wavelet = { kind = "ricker", frequency = 5.0, time = 0.3 }
+position = [0.0, 0.0, 0.0]
+force = [0.0, 0.0, -1e6]
+wavelet = { kind = "ricker", frequency = 10.0, time = 0.15 }
 [run]
-duration = 1.0
+duration = 0.4
 [output]
-stations = [{ name = "a", position = [37.0, 11.0], depth = 0.0 }, { name = "b", position = [51.0, 27.0], depth = 0.0 }]
+stations = [{ name = "a", position = [20.0, 0.0, 0.0] }, { name = "b", position = [40.0, 0.0, 0.0] }]
 "#;
 
-/// The same in three dimensions, against twice the points per wavelength, a quarter of the step, f64.
+/// The same in three dimensions, against half as many points again per wavelength and half the step.
 #[test]
 fn the_accuracy_asked_is_reached_in_three_dimensions() {
     let dir = folder();
-    let scene = write(dir.path(), "scene.toml", BOX_3D);
+    let scene = write(dir.path(), "scene.toml", LAMB);
     let run = |out: &str, more: &[String]| {
         let sets = more.iter().flat_map(|s| ["--set", s]);
         let arguments: Vec<&str> = ["run", &scene, "--out", out, "--json"].into_iter().chain(sets).collect();
@@ -145,14 +138,13 @@ fn the_accuracy_asked_is_reached_in_three_dimensions() {
     let (f_max, dt) = (number(plan, "/model/f_max"), number(plan, "/model/dt"));
     let points = number(plan, "/model/points_per_wavelength");
     let fine = [
-        format!("discretisation.points_per_wavelength={}", 2.0 * points),
+        format!("discretisation.points_per_wavelength={}", 1.5 * points),
         format!("discretisation.f_max={f_max}"),
-        format!("discretisation.dt={}", 0.25 * dt),
-        "discretisation.precision=\"f64\"".to_owned(),
+        format!("discretisation.dt={}", 0.5 * dt),
     ];
     let (reference, finer) = run("reference", &fine);
-    assert!(number(&finer, "/model/elements") > 6.0 * number(plan, "/model/elements"));
-    let names = ["acceleration_x", "acceleration_y", "acceleration_z"];
+    assert!(number(&finer, "/model/elements") > 2.5 * number(plan, "/model/elements"));
+    let names = ["acceleration_x", "acceleration_z"];
     let errors =
         runs.map(|(folder, _)| difference(&folder, &reference, &names).into_iter().fold(0.0, f64::max));
     for (error, accuracy) in errors.iter().zip(asked) {

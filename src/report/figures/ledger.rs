@@ -106,9 +106,17 @@ pub(in super::super) fn ledger(rows: &[LedgerRow], of: Ledgered) -> Option<Plate
     panel.line(&mut figure, rows.iter().map(|r| (r.time, r.input * scale)), input);
     panel.close(&mut figure);
     let shown = significant(error, 2);
-    let style = Text::new(13.5).bold().halo();
     let at = place(0);
-    figure.text(at.x + 12.0, at.y + 24.0, &format!("closing error {shown}"), style);
+    // at the end of the time where less stands in its way
+    let highest = |from: f64, to: f64| {
+        let within = |r: &&LedgerRow| (from..=to).contains(&((r.time - first) / (last - first)));
+        rows.iter().filter(within).map(|r| r.input).fold(0.0, f64::max)
+    };
+    let early = highest(0.0, 0.3) <= highest(0.7, 1.0);
+    let (x_text, anchor) =
+        if early { (at.x + 12.0, Anchor::Start) } else { (at.x + at.width - 12.0, Anchor::End) };
+    let style = Text::new(13.5).bold().halo().anchor(anchor);
+    figure.text(x_text, at.y + 24.0, &format!("closing error {shown}"), style);
     draw_stored(&mut figure, rows, x.clone(), of);
     draw_residual(&mut figure, rows, reference, x);
     draw_key(&mut figure, at.x + at.width, input, of);
@@ -197,20 +205,16 @@ fn energy_unit(top: f64, of: Ledgered) -> (f64, String) {
 }
 
 fn table(rows: &[LedgerRow], suffix: &str) -> String {
-    let mut table =
-        Table::default().column("elapsed_time_s", rows.iter().map(|r| r.time).collect::<Vec<_>>());
-    let columns: [(&str, fn(&LedgerRow) -> f64); 6] = [
-        ("input", |r| r.input),
-        ("kinetic", |r| r.kinetic),
-        ("strain", |r| r.strain),
-        ("viscous", |r| r.viscous),
-        ("outflow", |r| r.outflow),
-        ("residual", |r| r.residual),
-    ];
-    for (name, of) in columns {
-        table = table.column(format!("{name}_{suffix}"), rows.iter().map(of).collect::<Vec<_>>());
-    }
-    table.to_csv()
+    let column = |of: fn(&LedgerRow) -> f64| rows.iter().map(of).collect::<Vec<f64>>();
+    Table::default()
+        .column("elapsed_time_s", column(|r| r.time))
+        .column(format!("input_{suffix}"), column(|r| r.input))
+        .column(format!("kinetic_{suffix}"), column(|r| r.kinetic))
+        .column(format!("strain_{suffix}"), column(|r| r.strain))
+        .column(format!("viscous_{suffix}"), column(|r| r.viscous))
+        .column(format!("outflow_{suffix}"), column(|r| r.outflow))
+        .column(format!("residual_{suffix}"), column(|r| r.residual))
+        .to_csv()
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ const MOST_FACES: usize = 6000;
 const LUMPS: usize = 260;
 const LEFT: f64 = 76.0;
 const GAP: f64 = 84.0;
-const TOP: f64 = 78.0;
+const TOP: f64 = 94.0;
 const TALLEST: f64 = 420.0;
 /// Height below which a view is drawn taller than it is, pixels.
 const FLATTEST: f64 = 130.0;
@@ -131,35 +131,58 @@ fn draw(
     if frame.exaggeration > 1.05 {
         title += &format!(", drawn {} times too tall", significant(frame.exaggeration, 2));
     }
-    figure.text(at.x, at.y - 9.0, &title, Text::new(12.5).bold());
-    let mut taken: Vec<(f64, f64)> = vec![];
-    for (places, is_source) in [(&picture.stations, false), (&picture.sources, true)] {
-        for (name, place) in places {
-            let (px, py) = pixel(view.axes.map(|axis| place[axis]));
+    figure.text(at.x, at.y - 22.0, &title, Text::new(12.5).bold());
+    marks(figure, picture, at, |place| pixel(view.axes.map(|axis| place[axis])));
+}
+
+/// Marks and names of stations and sources; `pixel` takes a place to the figure.
+fn marks(figure: &mut Figure, picture: &MeshPicture, at: Rect, pixel: impl Fn([f64; 3]) -> (f64, f64)) {
+    let mut taken = vec![];
+    let kinds = [(&picture.sources, true), (&picture.stations, false)];
+    for (places, is_source) in kinds.into_iter().rev() {
+        for (x, y) in places.iter().map(|(_, place)| pixel(*place)) {
             if is_source {
-                figure.polygons([star(px, py)], SOURCE, Some(Stroke::solid("#ffffff", 1.0)));
+                figure.polygons([star(x, y)], SOURCE, Some(Stroke::solid("#ffffff", 1.0)));
+                taken.push([x - 9.0, y - 9.0, x + 9.0, y + 9.0]);
             } else {
-                let triangle = [(px - 6.0, py - 10.0), (px + 6.0, py - 10.0), (px, py)];
+                let triangle = [(x - 6.0, y - 10.0), (x + 6.0, y - 10.0), (x, y)];
                 figure.polygons([triangle], STATION, Some(Stroke::solid("#ffffff", 1.0)));
+                taken.push([x - 6.0, y - 10.0, x + 6.0, y]);
             }
-            // a name that would stand on another is left out
-            let free = taken.iter().all(|(x, y)| (x - px).abs() > 62.0 || (y - py).abs() > 13.0);
-            if places.len() <= NAMED && free {
-                taken.push((px, py));
-                label(figure, at, (px, py), &place::words(name), is_source);
-            }
+        }
+    }
+    for (places, is_source) in kinds.into_iter().filter(|(places, _)| places.len() <= NAMED) {
+        let colour = if is_source { SOURCE } else { STATION };
+        for (name, place) in places {
+            name_beside(figure, at, pixel(*place), &place::words(name), colour, &mut taken);
         }
     }
 }
 
-/// The name beside a mark, on the side where there is room.
-fn label(figure: &mut Figure, at: Rect, (px, py): (f64, f64), name: &str, is_source: bool) {
-    let right = px < at.x + at.width - 80.0;
-    let (x, anchor) = if right { (px + 10.0, Anchor::Start) } else { (px - 10.0, Anchor::End) };
-    let colour = if is_source { SOURCE } else { STATION };
-    let drop = if is_source { 14.0 } else { 1.0 };
-    let style = Text::new(11.5).anchor(anchor).colour(colour).halo();
-    figure.text(x, (py + drop).min(at.y + at.height - 3.0), name, style);
+/// The name of a mark, where nothing else stands: right, left, above or below; else it is left out.
+fn name_beside(
+    figure: &mut Figure,
+    at: Rect,
+    (x, y): (f64, f64),
+    name: &str,
+    colour: &'static str,
+    taken: &mut Vec<[f64; 4]>,
+) {
+    let wide = 6.6 * name.chars().count() as f64;
+    let (right, left) = ((x + 11.0, y), (x - 11.0 - wide, y));
+    let (above, below) = ((x - 0.5 * wide, y - 14.0), (x - 0.5 * wide, y + 20.0));
+    let (far_right, far_left) = ((x + 11.0, y - 14.0), (x - 11.0 - wide, y - 14.0));
+    for (from, base) in [right, left, above, below, far_right, far_left] {
+        let area = [from, base - 9.0, from + wide, base + 2.0];
+        let inside = from > at.x - 30.0 && from + wide < at.x + at.width + 34.0;
+        let free = |t: &[f64; 4]| area[0] >= t[2] || area[2] <= t[0] || area[1] >= t[3] || area[3] <= t[1];
+        let clear = base > at.y - 12.0 && base < at.y + at.height;
+        if inside && clear && taken.iter().all(free) {
+            taken.push(area);
+            figure.text(from, base, name, Text::new(11.5).anchor(Anchor::Start).colour(colour).halo());
+            return;
+        }
+    }
 }
 
 /// An eight-pointed star.
@@ -281,6 +304,11 @@ mod tests {
         let filled = |colour: &str| svg.matches(&format!("Z\" fill=\"{colour}\"")).count();
         assert_eq!((filled(SOURCE), filled(STATION)), (2, 3), "the marks and those of the key");
         assert!(plate.caption.contains("clay &lt;1&gt;"));
+        let crowd =
+            (0..NAMED).map(|i| (format!("station {i}"), [20.0 + 0.01 * i as f64, 8.0, 0.0])).collect();
+        let crowded = mesh(&MeshPicture { stations: crowd, ..picture }).unwrap().figure.finish();
+        let named = crowded.matches(">station ").count();
+        assert!(named > 2 && named < NAMED, "{named} names fit about one place");
         assert!(mesh(&MeshPicture::default()).is_none());
     }
 }
