@@ -51,7 +51,7 @@ pub fn write_report(dir: &Path, data: &SiteResponse) -> Result<(), OutputError> 
         let view = View::new(data, axis, &measures, &periods);
         components.push(Component { axis, entries: entries(&view)? });
     }
-    let ledger = figures::ledger(data).map(|plate| Entry {
+    let ledger = figures::ledger(&data.ledger, figures::Ledgered::Column).map(|plate| Entry {
         plate,
         heading: "Where the energy went",
         folded: false,
