@@ -13,7 +13,7 @@
 use super::OutputError;
 
 /// Half the filter's length over T.
-const HALF: f64 = 11.0;
+pub const HALF: f64 = 11.0;
 /// Window parameter: about 70 dB.
 const BETA: f64 = 6.755;
 /// Samples that are worked in together, so that a row under way is touched once for all of them.

@@ -1,14 +1,16 @@
 //! The plan in words and as JSON.
 
-use super::mesh::BoxSizes;
+use super::mesh::{BoxSizes, PlannedBoundary};
 use super::plan::{Limiting, Reached, VolumePlan};
 use super::sampling::Rows;
 use super::sizes::SHARE;
 use crate::plan::Reason;
-use hati_inputs::scene::{Precision, Resolved, Scene};
+use hati_inputs::scene::{BoundaryKind, Precision, Resolved, Scene};
 use serde_json::{Value, json};
 use std::fmt;
 
+/// Share of the run beyond which a filter's reach is told.
+const LONG_FILTER: f64 = 0.1;
 /// Share of the points wanted below which a material is called coarse.
 const COARSE: f64 = 0.95;
 /// Elements about a point source within which its near field is not resolved.
@@ -44,6 +46,13 @@ pub(super) fn place(x: [f64; 3], dimension: usize) -> String {
     }
 }
 
+impl fmt::Display for PlannedBoundary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let origin = if self.given { "user" } else { "default" };
+        write!(f, "`{}` {} ({origin})", self.name, self.kind.as_str())
+    }
+}
+
 impl fmt::Display for Limiting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = self.centre;
@@ -61,7 +70,7 @@ impl VolumePlan {
     pub(super) fn explain(&mut self, scene: &Scene, facts: &Facts, notes: Notes) {
         let mut told = Told::default();
         self.explain_sizes(scene, facts, &mut told);
-        self.explain_material(scene, &mut told);
+        self.explain_material(scene, facts, &mut told);
         self.explain_step(scene, &notes, &mut told);
         self.explain_outputs(scene, &mut told);
         self.warnings.extend(notes.warnings);
@@ -121,13 +130,19 @@ impl VolumePlan {
             let why = if file.scripted { "made by Gmsh from the script of the scene" } else { "user" };
             told.remark("domain.mesh", words, why.into());
         }
+        self.explain_boundaries(told);
     }
 
-    fn explain_material(&self, scene: &Scene, told: &mut Told) {
+    fn explain_material(&self, scene: &Scene, facts: &Facts, told: &mut Told) {
         let (d, f) = (&scene.discretisation, &self.frequencies);
         let (count, error) = self.mechanisms;
         if count > 0 {
-            let why = format!("the modulus is within {error:.1e} of the causal law over the band");
+            let allowed = super::sizes::modulus_error(self.accuracy, f, facts.time);
+            let why = format!(
+                "the modulus is within {error:.1e} of the causal law over the band; {allowed:.1e} keeps waves of {:.3} Hz \
+                 for {:.3} s",
+                f.f_half, facts.time
+            );
             told.add(
                 "discretisation.mechanisms",
                 count.to_string(),
@@ -146,8 +161,24 @@ impl VolumePlan {
             );
         }
         let word = if self.precision == Precision::F32 { "f32" } else { "f64" };
-        let why = "half the memory and up to twice the speed; seven digits";
-        told.add("discretisation.precision", word.into(), d.precision.is_auto(), why, json!(word));
+        let why = self.rounding.why();
+        told.add("discretisation.precision", word.into(), d.precision.is_auto(), &why, json!(word));
+    }
+
+    /// Every boundary with its kind; those of a mesh that the scene leaves out also go into the resolved scene.
+    fn explain_boundaries(&self, told: &mut Told) {
+        let why = "`top` is free, `bottom` over a rigid base fixed, every other absorbs";
+        for b in self.boundaries.iter().filter(|b| !b.given && self.file.is_some()) {
+            let (key, value) = (format!("domain.boundary.{}", b.name), b.kind.as_str().into());
+            told.resolved.push(Resolved { key, value, why: why.into() });
+        }
+        let loose = self.report.unnamed_sides;
+        let loose = (loose > 0).then(|| format!("{loose} sides in no group free (default)"));
+        let words: Vec<String> =
+            self.boundaries.iter().map(PlannedBoundary::to_string).chain(loose).collect();
+        let all_given = self.boundaries.iter().all(|b| b.given);
+        let why = if all_given { "user".to_owned() } else { format!("default: {why}") };
+        told.remark("domain.boundary", words.join(", "), why);
     }
 
     fn explain_step(&self, scene: &Scene, notes: &Notes, told: &mut Told) {
@@ -181,9 +212,14 @@ impl VolumePlan {
             let how = match rows {
                 Rows::Picked { .. } => "taken as they are, nothing faster is there".to_owned(),
                 Rows::Filtered { .. } => format!(
-                    "low-passed at {:.3} Hz; of the last {:.3} s rows see a motion that stands still",
+                    "low-passed at {:.3} Hz, to be read up to {:.3} Hz, the motion goes up to {:.3} Hz; a row sees \
+                     {:.3} s ahead and back, so what comes is felt before it comes, and rows of the last {:.3} s see a \
+                     motion that stands still",
                     0.5 / dt,
-                    11.0 * dt
+                    0.4 / dt,
+                    self.frequencies.content(),
+                    rows.reach(),
+                    rows.reach()
                 ),
             };
             told.add(key, format!("{dt:.6e} s"), auto, &format!("{what}: {how}"), json!(dt));
@@ -231,6 +267,26 @@ impl VolumePlan {
                 f.of_sources, f.f_max
             ));
         }
+        self.warnings.extend(self.rounding.warning());
+        self.warnings.extend(self.filtered());
+        let free = self.boundaries.iter().any(|b| b.kind == BoundaryKind::Free);
+        if self.file.is_some() && !free && self.report.unnamed_sides == 0 {
+            self.warnings.push(
+                "the mesh has no free boundary: name the group of its surface `top`, or give domain.boundary.NAME = \"free\""
+                    .to_owned(),
+            );
+        }
+        let (count, error) = self.mechanisms;
+        let modulus = super::sizes::modulus_error(self.accuracy, f, facts.time);
+        if count > 0 && error > 1.01 * modulus {
+            self.warnings.push(format!(
+                "{count} mechanisms keep the modulus to {error:.1e}, and waves of {:.3} Hz need {modulus:.1e} to keep phase and \
+                 amplitude to {:.1e} over {:.3} s: leave discretisation.mechanisms to \"auto\", or shorten the path",
+                f.f_half,
+                SHARE * self.accuracy,
+                facts.time
+            ));
+        }
         let allowed = super::sizes::accurate_step(self.accuracy, f, facts.time);
         if self.sampling.dt > 1.01 * allowed {
             self.warnings.push(format!(
@@ -268,10 +324,34 @@ impl VolumePlan {
         self.warnings.extend(warnings);
     }
 
+    /// Files whose filter is long for the run.
+    fn filtered(&self) -> Vec<String> {
+        let duration = (self.sampling.samples - 1) as f64 * self.sampling.sample_dt();
+        let all = [
+            ("output.surface", self.surface.as_ref().filter(|s| !s.motions.is_empty()).map(|s| &s.rows)),
+            ("output.volume", self.volume.as_ref().map(|v| &v.rows)),
+            ("output.field", self.field.as_ref().map(|f| &f.rows)),
+        ];
+        let long = |(key, rows): (&str, Option<&Rows>)| {
+            let reach = rows?.reach();
+            (reach > LONG_FILTER * duration).then(|| {
+                let dt = rows.map_or(0.0, |r| r.dt(&self.sampling));
+                format!(
+                    "{key}.dt = {dt:.4e} s: rows are low-passed by a filter that reaches {reach:.3} s ahead and back, {:.0} % of \
+                     the run: rows before the motion are not zero, and those of the last {reach:.3} s see a standstill; give \
+                     a dt of {:.3e} s or less, which needs no filter, or a longer run",
+                    100.0 * reach / duration,
+                    0.4 / self.frequencies.content()
+                )
+            })
+        };
+        all.into_iter().filter_map(long).collect()
+    }
+
     /// The plan as JSON.
     pub fn to_json(&self) -> Value {
         json!({
-            "accuracy": { "asked": self.accuracy },
+            "accuracy": { "asked": self.accuracy, "noise_of_f32": self.rounding.single, "noise_allowed": self.rounding.allowed },
             "model": self.model_json(),
             "limits": {
                 "dt_critical": self.dt_critical, "element": self.limiting.element, "centre": self.limiting.centre,
@@ -306,6 +386,10 @@ impl VolumePlan {
             "points_per_wavelength": self.resolution.points_per_wavelength,
             "reference_frequency": self.frequencies.reference,
             "materials": self.materials,
+            "boundaries": self.boundaries.iter().map(|b| json!({
+                "name": b.name, "kind": b.kind.as_str(), "from": if b.given { "user" } else { "default" }, "sides": b.sides,
+            })).collect::<Vec<_>>(),
+            "sides_in_no_group": self.report.unnamed_sides,
             "duration_s": (s.samples - 1) as f64 * s.sample_dt(),
             "stations": self.sensors.len(),
         })

@@ -31,7 +31,7 @@ fn rows(dt: Auto<f64>, frequencies: &Frequencies, sampling: &Sampling) -> Rows {
             samples * sampling.sample_dt()
         }
     };
-    sampling.rows(asked, frequencies.f_max)
+    sampling.rows(asked, frequencies.content())
 }
 
 /// The boundary that the scene writes, else `top` for its peak maps where the mesh has one.

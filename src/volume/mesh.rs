@@ -3,11 +3,12 @@
 use super::sizes::{Points, layer};
 use crate::plan::PlanError;
 use hati_inputs::gmsh::{self, GeoRun, GmshMesh};
-use hati_inputs::scene::{Auto, BoundaryKind, MaterialValues, Scene};
+use hati_inputs::scene::{Action, Auto, BoundaryKind, MaterialValues, Scene};
 use hati_sem::mesh::{
     Boundary, BoxLayer, LayeredBox, Mesh, MeshReport, Side, check, element_width, layer_heights,
 };
 use hati_sem::soil::Layer;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -66,8 +67,10 @@ pub fn read(scene: &Scene, options: &MeshOptions<'_>) -> Result<Option<(Mesh, Fi
         sides: sides.into_iter().map(side).collect(),
     };
     let boundaries = boundaries.into_iter().map(named).collect();
-    let mesh = Mesh { dimension, order, nodes, elements, material, materials, boundaries };
+    let mut mesh = Mesh { dimension, order, nodes, elements, material, materials, boundaries };
     check_names(scene, &mesh, &path)?;
+    let mut notes = notes;
+    settle_groups(scene, &mut mesh, &mut notes);
     Ok(Some((mesh, FileMesh { path, tags, sha256, notes, scripted })))
 }
 
@@ -214,8 +217,64 @@ pub fn checked(mesh: &Mesh, order: usize, file: Option<&FileMesh>) -> Result<Mes
     })
 }
 
-/// Boundaries that absorb, by name; for words.
-pub fn with_kind(scene: &Scene, mesh: &Mesh, kind: BoundaryKind) -> Vec<String> {
-    let of = |b: &&Boundary| scene.boundary_kind(&b.name) == kind;
-    mesh.boundaries.iter().filter(of).map(|b| b.name.clone()).collect()
+/// A boundary with what holds on it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedBoundary {
+    /// Its name.
+    pub name: String,
+    /// What holds on it.
+    pub kind: BoundaryKind,
+    /// Whether the scene says so; else it is the default.
+    pub given: bool,
+    /// Sides of elements.
+    pub sides: usize,
+}
+
+/// All boundaries with their kinds, in the mesh's order.
+pub fn kinds(scene: &Scene, mesh: &Mesh) -> Vec<PlannedBoundary> {
+    let given = |name: &str| scene.domain.as_ref().is_some_and(|d| d.boundary.contains_key(name));
+    let of = |b: &Boundary| PlannedBoundary {
+        name: b.name.clone(),
+        kind: scene.boundary_kind(&b.name),
+        given: given(&b.name),
+        sides: b.sides.len(),
+    };
+    mesh.boundaries.iter().map(of).collect()
+}
+
+/// Takes out the groups that lie between elements, where the scene does not name them, with a note; and notes sides of
+/// the surface that no group holds.
+fn settle_groups(scene: &Scene, mesh: &mut Mesh, notes: &mut Vec<String>) {
+    let outer = mesh.outer_sides();
+    let named = |name: &str| {
+        let of_source = |action: &Action| match action {
+            Action::Traction { boundary, .. } | Action::Patch { boundary, .. } => boundary == name,
+            Action::Force { .. } | Action::Moment { .. } => false,
+        };
+        scene.domain.as_ref().is_some_and(|d| d.boundary.contains_key(name))
+            || scene.output.surface.as_ref().is_some_and(|s| s.boundary == name)
+            || scene.sources().iter().any(|s| of_source(&s.action))
+    };
+    let inner = |b: &Boundary| !b.sides.iter().any(|s| outer.binary_search(s).is_ok());
+    mesh.boundaries.retain(|b| {
+        let drop = inner(b) && !named(&b.name);
+        if drop {
+            notes.push(format!(
+                "the group `{}` lies between elements: it is no boundary of the ground and is passed over",
+                b.name
+            ));
+        }
+        !drop
+    });
+    let grouped: HashSet<Side> = mesh.boundaries.iter().flat_map(|b| b.sides.iter().copied()).collect();
+    let mut loose = outer.iter().filter(|s| !grouped.contains(s));
+    if let Some(&first) = loose.next() {
+        let place = mesh.position(first.element as usize, mesh.side_local(first, [0.0; 2]));
+        notes.push(format!(
+            "{} sides of the mesh's surface are in no physical group, the first around {}: they are free; put them into a \
+             group and give its kind in [domain.boundary]",
+            loose.count() + 1,
+            super::explain::place(place, mesh.dimension)
+        ));
+    }
 }

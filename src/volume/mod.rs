@@ -18,6 +18,7 @@ pub mod mesh;
 mod picture;
 mod plan;
 mod report;
+pub mod rounding;
 mod run;
 pub mod sampling;
 pub mod sizes;

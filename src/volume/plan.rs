@@ -1,7 +1,8 @@
 //! Everything that a run in two or three dimensions needs, decided.
 
 use super::explain::{Facts, Notes};
-use super::mesh::{self, BoxSizes, FileMesh, MeshOptions};
+use super::mesh::{self, BoxSizes, FileMesh, MeshOptions, PlannedBoundary};
+use super::rounding::{self, Rounding};
 use super::sampling::{Rows, Sampling, auto_rows, step_for};
 use super::sizes::{self, Frequencies, Points};
 use super::sources::{self, Signal};
@@ -118,6 +119,8 @@ pub struct VolumePlan {
     pub ground: Ground,
     /// Facts about the mesh.
     pub report: MeshReport,
+    /// What holds on the boundaries.
+    pub boundaries: Vec<PlannedBoundary>,
     /// The mesh's file, if it is one.
     pub file: Option<FileMesh>,
     /// Constants of the materials, in the mesh's order.
@@ -130,8 +133,10 @@ pub struct VolumePlan {
     pub reached: Vec<Reached>,
     /// Mechanisms of damping, and the relative error of the modulus.
     pub mechanisms: (usize, f64),
-    /// Precision.
+    /// Precision of the run.
     pub precision: Precision,
+    /// What single precision would leave, and why this precision.
+    pub rounding: Rounding,
     /// Critical step, s.
     pub dt_critical: f64,
     /// Who bounds it.
@@ -189,14 +194,16 @@ impl VolumePlan {
         let resolution = points.resolution;
         let mut notes = Notes::default();
         let made = Made::new(scene, file, &values, &points)?;
-        let mechanisms = sizes::mechanisms(scene, &values, &frequencies)?;
-        let precision = scene.discretisation.precision.value().copied().unwrap_or(Precision::F32);
+        let asked = scene.discretisation.mechanisms;
+        let mechanisms = sizes::mechanisms(asked, scene.accuracy, &values, &frequencies, time)?;
         let report = mesh::checked(&made.mesh, resolution.order, made.file.as_ref())?;
         let materials = in_order(&values, &made.mesh);
         let mut ground = assemble(scene, made.mesh, &values, &resolution, &frequencies, mechanisms.0)?;
         let limiting = limiting(&ground, made.file.as_ref());
         let threads = if ground.numbering().nodes < PARALLEL_POINTS { 1 } else { threads };
-        let dt_critical = critical(&ground, precision, threads, &mut notes)?;
+        let asked = scene.discretisation.precision;
+        let bound_in = asked.value().copied().unwrap_or(Precision::F32);
+        let dt_critical = critical(&ground, bound_in, threads, &mut notes)?;
         let sampling = sampling(scene, dt_critical, &limiting, &frequencies, time)?;
         let (sources, moves_y) = load(scene, &mut ground, &signals, &sampling)?;
         let record_sha256 = signals.iter().filter_map(|s| Some(s.record.as_ref()?.sha256.clone())).collect();
@@ -204,12 +211,14 @@ impl VolumePlan {
             dimension: scene.dimension(),
             reached: reached(&ground, &materials, &points),
             report,
+            boundaries: mesh::kinds(scene, ground.mesh()),
             file: made.file,
             materials,
             frequencies,
             resolution,
             mechanisms,
-            precision,
+            precision: asked.value().copied().unwrap_or(Precision::F32),
+            rounding: Rounding::choose(asked, 0.0, 1.0, true, scene.accuracy),
             dt_critical,
             limiting,
             sampling,
@@ -230,9 +239,28 @@ impl VolumePlan {
             ground,
         };
         plan.metrics = plan.count_metrics();
+        plan.choose_precision(asked, &signals, time);
         let facts = Facts { points_why, points_alike: points.is_uniform(), sizes: made.sizes, time };
         plan.explain(scene, &facts, notes);
         Ok(plan)
+    }
+
+    /// Chooses the precision from what is written and how slow the sources are.
+    fn choose_precision(&mut self, asked: Auto<Precision>, signals: &[Signal], time: f64) {
+        let (dt, dt_critical) = (self.sampling.dt, self.dt_critical);
+        let Some(curvature) = rounding::curvature(signals, &self.sampling) else { return };
+        let noise = rounding::noise(Precision::F32, curvature, dt, dt_critical, time);
+        let ratio = 0.5 * curvature.sqrt() * dt_critical;
+        let fields = [
+            self.volume.as_ref().map_or(&[][..], |v| &v.motions),
+            self.field.as_ref().map_or(&[][..], |f| &f.motions),
+        ];
+        // a surface has its peak map of accelerations
+        let accelerations = self.surface.is_some()
+            || self.sensors.iter().any(|s| s.quantities.contains(&OutputQuantity::Acceleration))
+            || fields.iter().any(|motions| motions.contains(&2));
+        self.rounding = Rounding::choose(asked, noise, ratio, accelerations, self.accuracy);
+        self.precision = self.rounding.precision;
     }
 
     /// Elements.
@@ -400,7 +428,7 @@ fn sampling(
         }
     };
     let duration = scene.run.map_or(0.0, |r| r.duration);
-    Ok(Sampling::new(dt, frequencies.f_max, closest, duration))
+    Ok(Sampling::new(dt, frequencies.content(), closest, duration))
 }
 
 /// Adds the sources; where they are, and whether anything moves along y.

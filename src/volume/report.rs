@@ -1,12 +1,13 @@
 //! `report.html` of a run in two or three dimensions, made from its files.
 
 use super::files::axes;
+use super::mesh::PlannedBoundary;
 use super::picture::picture;
 use super::plan::VolumePlan;
 use crate::outputs::OutputError;
 use crate::report::wave::{KeyNumber, SurfaceMotion, WavePage, write_wave_report};
 use crate::results::{AXES, LedgerRow, Trace};
-use hati_inputs::scene::Scene;
+use hati_inputs::scene::{BoundaryKind, Scene};
 use netcdf::Extent;
 use serde_json::Value;
 use std::path::Path;
@@ -191,6 +192,7 @@ fn numbers(plan: &VolumePlan, summary: &Value) -> Vec<KeyNumber> {
             format!("{points:.2} points"),
             format!("per shear wavelength at {:.3} Hz, in `{name}`", plan.frequencies.f_max),
         ),
+        boundaries(plan),
         card(
             "loop",
             format!("{:.2} s", number("/cost/solver_s")),
@@ -202,4 +204,19 @@ fn numbers(plan: &VolumePlan, summary: &Value) -> Vec<KeyNumber> {
             ),
         ),
     ]
+}
+
+/// How many boundaries are of which kind, and their names.
+fn boundaries(plan: &VolumePlan) -> KeyNumber {
+    let mut names: Vec<String> = plan.boundaries.iter().map(PlannedBoundary::to_string).collect();
+    let loose = plan.report.unnamed_sides;
+    if loose > 0 {
+        names.push(format!("{loose} sides in no group free (default)"));
+    }
+    let free = plan.boundaries.iter().filter(|b| b.kind == BoundaryKind::Free).count();
+    KeyNumber {
+        label: "boundaries".into(),
+        value: format!("{} · {free} free", plan.boundaries.len()),
+        note: names.join(", "),
+    }
 }

@@ -19,10 +19,11 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Samples at every so many steps that they stand no farther apart than 1/(20 `f_max`) and that rows every `rows`
-    /// seconds (the closest asked for) fall on samples where they fall on steps.
-    pub fn new(dt: f64, f_max: f64, rows: Option<f64>, duration: f64) -> Self {
-        let most = ((1.0 / (SAMPLES_PER_PERIOD * f_max) / dt * (1.0 + 1e-9)) as usize).max(1);
+    /// Samples at every so many steps that they stand no farther apart than 1/(20 `highest`) and that rows every `rows`
+    /// seconds (the closest asked for) fall on samples where they fall on steps; `highest`: the highest frequency of the
+    /// motion, Hz ([`Frequencies::content`]).
+    pub fn new(dt: f64, highest: f64, rows: Option<f64>, duration: f64) -> Self {
+        let most = ((1.0 / (SAMPLES_PER_PERIOD * highest) / dt * (1.0 + 1e-9)) as usize).max(1);
         let whole = rows.map(|t| (t / dt).round()).filter(|n| *n >= 1.0);
         let fits = rows.zip(whole).is_some_and(|(t, n)| (t / dt - n).abs() < 1e-6);
         let stride = match whole {
@@ -43,12 +44,12 @@ impl Sampling {
         ((self.samples - 1) * self.stride + 1) as u64
     }
 
-    /// How rows every `dt_out` seconds are made of samples.
-    pub fn rows(&self, dt_out: f64, f_max: f64) -> Rows {
+    /// How rows every `dt_out` seconds are made of samples, whose motion goes up to `highest` Hz.
+    pub fn rows(&self, dt_out: f64, highest: f64) -> Rows {
         let ratio = dt_out / self.sample_dt();
         let whole = ratio.round();
         let on_samples = whole >= 1.0 && (ratio - whole).abs() < 1e-6 * whole;
-        if on_samples && 0.5 / dt_out >= CLEAN * f_max {
+        if on_samples && 0.5 / dt_out >= CLEAN * highest {
             Rows::Picked { every: whole as usize }
         } else if ratio < 1.0 {
             Rows::Picked { every: 1 }
@@ -79,6 +80,14 @@ impl Rows {
         match *self {
             Self::Picked { every } => every as f64 * sampling.sample_dt(),
             Self::Filtered { dt } => dt,
+        }
+    }
+
+    /// How far a row sees ahead and back, s: 0 for samples as they are.
+    pub fn reach(&self) -> f64 {
+        match *self {
+            Self::Picked { .. } => 0.0,
+            Self::Filtered { dt } => crate::outputs::decimate::HALF * dt,
         }
     }
 
@@ -119,6 +128,22 @@ mod tests {
         assert_eq!(sampling.rows(0.0123, 20.0), Rows::Filtered { dt: 0.0123 });
         assert_eq!(sampling.rows(1e-4, 20.0), Rows::Picked { every: 1 });
         assert_eq!(sampling.rows(0.01, 20.0).count(&sampling), 51);
+    }
+
+    #[test]
+    fn rows_are_filtered_where_the_sources_reach_beyond_their_nyquist_frequency() {
+        let given = |of_sources| Frequencies { f_max: 5.0, f_half: 5.0, reference: 1.0, of_sources };
+        let rows = |frequencies: &Frequencies| {
+            let sampling = Sampling::new(1e-3, frequencies.content(), Some(0.05), 1.0);
+            assert!(sampling.sample_dt() * SAMPLES_PER_PERIOD * frequencies.content() < 1.0 + 1e-9);
+            sampling.rows(0.05, frequencies.content())
+        };
+        // rows of 0.05 s hold 8 Hz with the margin of 1.25
+        assert!(matches!(rows(&given(7.9)), Rows::Picked { .. }));
+        let filtered = rows(&given(8.1));
+        assert_eq!(filtered, Rows::Filtered { dt: 0.05 });
+        assert_eq!(rows(&given(3.0)).reach(), 0.0);
+        assert!((filtered.reach() - 0.55).abs() < 1e-12);
     }
 
     #[test]

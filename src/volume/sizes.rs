@@ -61,6 +61,11 @@ pub fn frequencies(scene: &Scene, signals: &[Signal]) -> Frequencies {
 }
 
 impl Frequencies {
+    /// Highest frequency that the motion may hold, Hz: that of the sources too, where `f_max` is given below it.
+    pub fn content(&self) -> f64 {
+        self.f_max.max(self.of_sources)
+    }
+
     /// Band over which damping is represented, Hz.
     pub fn damping_band(&self) -> (f64, f64) {
         (self.f_max / 10_f64.powf(DAMPING_DECADES), self.f_max)
@@ -212,11 +217,22 @@ pub fn layer(m: &MaterialValues, thickness: f64) -> Layer {
 /// Most mechanisms that `auto` takes.
 const MECHANISMS_MOST: usize = 8;
 
-/// Mechanisms of the damping and the largest relative error of a modulus over the band; 0 for elastic ground.
+/// Largest relative error of a complex modulus that keeps waves right for `time` seconds: over n wavelengths a wave
+/// turns by $2\pi n$ and an error $\Delta G/G$ of the modulus changes that, in phase and in the logarithm of the
+/// amplitude, by $\pi n\,|\Delta G/G|$, which is to stay below [`SHARE`] of the accuracy after the wavelengths at
+/// `f_half`, one at least.
+pub fn modulus_error(accuracy: f64, frequencies: &Frequencies, time: f64) -> f64 {
+    SHARE * accuracy / (PI * (frequencies.f_half * time).max(1.0))
+}
+
+/// Mechanisms of the damping and the largest relative error of a modulus over the band; 0 for elastic ground. `auto`
+/// takes the fewest within [`modulus_error`] after `time` seconds, eight at most.
 pub fn mechanisms(
-    scene: &Scene,
+    asked: Auto<usize>,
+    accuracy: f64,
     materials: &[MaterialValues],
     frequencies: &Frequencies,
+    time: f64,
 ) -> Result<(usize, f64), PlanError> {
     let largest = materials.iter().map(|m| m.damping.max(m.damping_p)).fold(0.0, f64::max);
     if largest == 0.0 {
@@ -234,11 +250,12 @@ pub fn mechanisms(
         };
         Ok((0..=40).map(at).fold(0.0, f64::max))
     };
-    if let Auto::Value(count) = scene.discretisation.mechanisms {
+    if let Auto::Value(count) = asked {
         return Ok((count, error(count)?));
     }
     let mut found = (1, error(1)?);
-    while found.1 > SHARE * scene.accuracy && found.0 < MECHANISMS_MOST {
+    let allowed = modulus_error(accuracy, frequencies, time);
+    while found.1 > allowed && found.0 < MECHANISMS_MOST {
         found = (found.0 + 1, error(found.0 + 1)?);
     }
     Ok(found)
@@ -275,5 +292,42 @@ mod tests {
             assert!(worst(points) < 1.03 * SHARE * accuracy, "{vp_over_vs}: {:e}", worst(points));
             assert!(worst(0.9 * points) > SHARE * accuracy, "{vp_over_vs}: {:e}", worst(0.9 * points));
         }
+    }
+
+    fn ground(damping: f64) -> MaterialValues {
+        let name = "a".to_owned();
+        MaterialValues { name, vs: 1.0, vp: 2.0, nu: 1.0 / 3.0, rho: 1.0, damping, damping_p: damping }
+    }
+
+    /// Difference of a Ricker pulse of 1 Hz after `distance` in the realised and in the exact law, over its energy's root.
+    fn error_after(distance: f64, damping: f64, count: usize, frequencies: &Frequencies) -> f64 {
+        let arms = MaxwellArms::fit(damping, frequencies.reference, frequencies.damping_band(), count)
+            .expect("a fit");
+        let exact = ModulusLaw::ConstantDamping { damping, reference_frequency: frequencies.reference };
+        let (mut difference, mut energy) = (0.0, 0.0);
+        for i in 1..300 {
+            let f = 0.01 * f64::from(i);
+            let i_omega = Complex64::new(0.0, 2.0 * PI * f);
+            let spectrum = f * f * (-f * f).exp();
+            let arrived = |factor: Complex64| spectrum * (-i_omega * distance / factor.sqrt()).exp();
+            let (found, expected) = (arrived(arms.factor(i_omega)), arrived(exact.factor(i_omega)));
+            difference += (found - expected).norm_sqr();
+            energy += expected.norm_sqr();
+        }
+        (difference / energy).sqrt()
+    }
+
+    #[test]
+    fn mechanisms_keep_a_wave_over_its_whole_path() {
+        let frequencies = Frequencies { f_max: 2.7, f_half: 1.7, reference: 0.4, of_sources: 2.7 };
+        let chosen =
+            |time: f64| mechanisms(Auto::Auto, 1e-2, &[ground(0.02)], &frequencies, time).expect("a fit").0;
+        let (short, long) = (chosen(0.1), chosen(25.0));
+        let found = error_after(25.0, 0.02, long, &frequencies);
+        assert!(found < 1e-2, "{long} mechanisms: {found:e} after 25 wavelengths");
+        // as many as a single wavelength needs are too few for 25, and enough for one
+        assert!(short < long && error_after(25.0, 0.02, short, &frequencies) > 1e-2, "{short} and {long}");
+        assert!(error_after(1.0, 0.02, short, &frequencies) < 1e-2);
+        assert_eq!(mechanisms(Auto::Auto, 1e-2, &[ground(0.0)], &frequencies, 25.0).expect("none"), (0, 0.0));
     }
 }

@@ -55,6 +55,20 @@ impl Writer<'_> {
                 self.line(&format!("{} = \"{}\" # {who}", quoted(name), kind.as_str()));
             }
         }
+        if domain.mesh.is_some() {
+            self.other_boundaries(section, &given);
+        }
+    }
+
+    /// Boundaries of a mesh that the scene leaves at their defaults: only the plan knows their names.
+    fn other_boundaries(&mut self, section: &str, given: &[&str]) {
+        let resolved = self.resolved;
+        for (i, r) in resolved.iter().enumerate() {
+            let name = r.key.strip_prefix(section).and_then(|rest| rest.strip_prefix('.'));
+            let Some(name) = name.filter(|name| !given.contains(name)) else { continue };
+            self.used[i] = true;
+            self.line(&format!("{} = {} # default: {}", quoted(name), r.value, super::one_line(&r.why)));
+        }
     }
 
     pub(super) fn materials(&mut self) {
