@@ -3,9 +3,10 @@
 use super::mesh::BoxSizes;
 use super::plan::{Limiting, VolumePlan};
 use super::sampling::Rows;
-use super::sizes::SHARE;
+use super::sizes::{Frequencies, SHARE};
 use crate::plan::{PlanError, Reason, available_memory};
-use hati_inputs::scene::{Precision, Resolved, Scene};
+use hati_inputs::scene::{MemoryVariables, Precision, Resolved, Scene};
+use hati_sem::solid::coarse_error;
 use serde_json::{Value, json};
 use std::fmt;
 
@@ -178,6 +179,12 @@ impl VolumePlan {
                 &why,
                 json!(count),
             );
+            let (word, why) = (self.memory_variables.as_str(), self.spread_why());
+            let auto = d.memory_variables.is_auto();
+            told.add("discretisation.memory_variables", word.into(), auto, &why, json!(word));
+            if !auto && let Some(reason) = told.reasons.last_mut() {
+                reason.why = format!("user: {why}");
+            }
             let why = "geometric mean of the damping's band";
             let auto = scene.soil.reference_frequency.is_auto();
             told.add(
@@ -191,6 +198,28 @@ impl VolumePlan {
         let word = if self.precision == Precision::F32 { "f32" } else { "f64" };
         let why = "half the memory and up to twice the speed; seven digits";
         told.add("discretisation.precision", word.into(), d.precision.is_auto(), why, json!(word));
+    }
+
+    /// What the spread of the memory variables means for the damping.
+    fn spread_why(&self) -> String {
+        if self.memory_variables == MemoryVariables::Full {
+            return "every mechanism at every point".into();
+        }
+        let Frequencies { f_half, f_max, .. } = self.frequencies;
+        let worst = |frequency: f64| {
+            let of =
+                |m| coarse_error(m, self.resolution.order, self.dimension, frequency).unwrap_or((0.0, 0.0));
+            self.ground
+                .materials()
+                .iter()
+                .map(of)
+                .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)))
+        };
+        let ((half, _), (top, speed)) = (worst(f_half), worst(f_max));
+        format!(
+            "one mechanism at a point: 1/Q of long waves is off by at most {half:.1e} at {f_half:.3} Hz and {top:.1e} at \
+             {f_max:.3} Hz, speeds by {speed:.1e}"
+        )
     }
 
     fn explain_step(&self, scene: &Scene, notes: &Notes, told: &mut Told) {
@@ -283,9 +312,17 @@ impl VolumePlan {
         }
     }
 
+    /// Memory variables of a point, in strain components.
+    fn arms_per_point(&self) -> usize {
+        match self.memory_variables {
+            MemoryVariables::Full => self.mechanisms.0,
+            MemoryVariables::Coarse => self.mechanisms.0.min(1),
+        }
+    }
+
     /// Memory of a run, bytes.
     pub fn memory(&self) -> f64 {
-        let (order, arms) = (self.resolution.order, self.mechanisms.0);
+        let (order, arms) = (self.resolution.order, self.arms_per_point());
         let solid = bytes(self.elements() as f64, self.dimension, order, self.precision, arms, self.threads);
         let loads: usize = 8 * self.sampling.steps() as usize;
         let watched = |points: usize| 80.0 * points as f64;
@@ -326,7 +363,7 @@ impl VolumePlan {
         let [affine, deformed, stored] = self.metrics.map(|n| n as f64);
         let shape = (affine + DEFORMED * (deformed + stored)) / (affine + deformed + stored).max(1.0);
         let precision = if self.precision == Precision::F64 { DOUBLE } else { 1.0 };
-        let factor = shape * precision * (1.0 + ARM * self.mechanisms.0 as f64);
+        let factor = shape * precision * (1.0 + ARM * self.arms_per_point() as f64);
         let threads = 1.0 + THREAD * (self.threads.max(1) - 1) as f64;
         1e-9 * NS_PER_POINT * factor * self.points() as f64 * self.sampling.steps() as f64 / threads
     }
@@ -384,7 +421,7 @@ impl VolumePlan {
             "precision": if self.precision == Precision::F64 { "f64" } else { "f32" },
             "dt": s.dt, "steps": s.steps(), "sample_dt": s.sample_dt(), "samples": s.samples,
             "dt_critical": self.dt_critical, "limited_by": self.limiting.to_string(),
-            "mechanisms": self.mechanisms.0, "f_max": self.frequencies.f_max,
+            "mechanisms": self.mechanisms.0, "memory_variables": self.memory_variables.as_str(), "f_max": self.frequencies.f_max,
             "points_per_wavelength": self.resolution.points_per_wavelength,
             "reference_frequency": self.frequencies.reference,
             "materials": self.materials,

@@ -7,9 +7,11 @@ use super::sizes::{self, Frequencies};
 use super::sources::{self, Signal};
 use crate::outputs::wave::{Cells, Grid};
 use crate::plan::{PlanError, Reason, STEP_MARGIN};
-use hati_inputs::scene::{Auto, BoundaryKind, MaterialValues, OutputQuantity, Precision, Resolved, Scene};
+use hati_inputs::scene::{
+    Auto, BoundaryKind, MaterialValues, MemoryVariables, OutputQuantity, Precision, Resolved, Scene,
+};
 use hati_sem::mesh::{Locator, Mesh, MeshReport, Resolution};
-use hati_sem::solid::{Execution, Ground, Material, Probe, Solid, Support};
+use hati_sem::solid::{Execution, Ground, Material, Memory, Probe, Solid, Support};
 use std::time::Duration;
 
 /// Wall time between checkpoints where the scene leaves it open.
@@ -107,6 +109,8 @@ pub struct VolumePlan {
     pub reached: Vec<(String, f64)>,
     /// Mechanisms of damping, and the relative error of the modulus.
     pub mechanisms: (usize, f64),
+    /// How memory variables are spread over the points.
+    pub memory_variables: MemoryVariables,
     /// Precision.
     pub precision: Precision,
     /// Critical step, s.
@@ -167,6 +171,7 @@ impl VolumePlan {
         let report = mesh::checked(&made.mesh, resolution.order, made.file.as_ref())?;
         let materials = in_order(&values, &made.mesh);
         let mut ground = assemble(scene, made.mesh, &values, &resolution, &frequencies, mechanisms.0)?;
+        let memory_variables = spread(scene, &mut ground)?;
         let limiting = limiting(&ground, made.file.as_ref());
         let threads = if ground.numbering().nodes < PARALLEL_POINTS { 1 } else { threads };
         let dt_critical = critical(&ground, precision, threads, &mut notes)?;
@@ -182,6 +187,7 @@ impl VolumePlan {
             frequencies,
             resolution,
             mechanisms,
+            memory_variables,
             precision,
             dt_critical,
             limiting,
@@ -305,6 +311,16 @@ fn assemble(
         ground.support(&name, support)?;
     }
     Ok(ground)
+}
+
+/// Spreads the memory variables as the scene says.
+fn spread(scene: &Scene, ground: &mut Ground) -> Result<MemoryVariables, PlanError> {
+    let asked = scene.discretisation.memory_variables.value().copied().unwrap_or(MemoryVariables::Full);
+    ground.set_memory(match asked {
+        MemoryVariables::Full => Memory::Full,
+        MemoryVariables::Coarse => Memory::Coarse,
+    })?;
+    Ok(asked)
 }
 
 fn limiting(ground: &Ground, file: Option<&FileMesh>) -> Limiting {
