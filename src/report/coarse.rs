@@ -28,7 +28,7 @@ pub(crate) struct CoarseCurve {
 
 /// The figure as SVG and its numbers as CSV; orders at one quality factor, and one order at several.
 pub(crate) fn coarse_figure(orders: &[CoarseCurve], qualities: &[CoarseCurve]) -> (String, String) {
-    let title = "Coarse-grained memory variables after 20 wavelengths";
+    let title = "Coarse against full memory after 20 wavelengths";
     let mut figure = Figure::new("attenuation-coarse", title, WIDTH, HEIGHT);
     let all = || orders.iter().chain(qualities);
     let points = || all().flat_map(|c| c.points.iter().copied());
@@ -38,7 +38,7 @@ pub(crate) fn coarse_figure(orders: &[CoarseCurve], qualities: &[CoarseCurve]) -
         None => what.to_owned(),
     };
     let of_order = match qualities.first() {
-        Some(c) => format!("amplitude, N = {}: Q = 25 (long dashes), 50, 100 (dots)", c.order),
+        Some(c) => format!("amplitude, N = {}", c.order),
         None => String::new(),
     };
     type Pick = fn(&CoarseCurve) -> (&[f64], &[f64]);
@@ -50,10 +50,10 @@ pub(crate) fn coarse_figure(orders: &[CoarseCurve], qualities: &[CoarseCurve]) -
         (qualities, of_order, amplitude, (1e-4, 1.0)),
     ];
     for (i, (curves, words, pick, range)) in panels.iter().enumerate() {
-        let at = Rect { x: 84.0 + 336.0 * i as f64, y: 84.0, width: 292.0, height: 376.0 };
+        let at = Rect { x: 84.0 + 342.0 * i as f64, y: 92.0, width: 264.0, height: 368.0 };
         let x = Axis::log(low, high, "points per wavelength of SV (1)");
-        let y = Axis::log(range.0, range.1, "relative error after 20 wavelengths (1)");
-        let panel = Panel::draw(&mut figure, at, x, y, true, i == 0);
+        let y = Axis::log(range.0, range.1, "relative error (1)");
+        let panel = Panel::draw(&mut figure, at, x, y, true, true);
         for curve in *curves {
             let stroke = if i == 2 { quality_stroke(curve) } else { order_stroke(curve) };
             let (coarse, full) = pick(curve);
@@ -63,15 +63,15 @@ pub(crate) fn coarse_figure(orders: &[CoarseCurve], qualities: &[CoarseCurve]) -
             panel.polyline(&mut figure, &drawn(full), stroke.wide(3.5).faint(0.25).dashed(""));
             panel.polyline(&mut figure, &drawn(coarse), stroke);
         }
-        let style = Text::new(11.5).bold().anchor(Anchor::End).halo();
-        figure.text(at.x + at.width - 8.0, at.y + 18.0, words, style);
+        figure.text(at.x + at.width, at.y - 8.0, words, Text::new(12.0).bold().anchor(Anchor::End));
         let style = Text::new(11.0).anchor(Anchor::End).halo();
-        figure.text(
-            at.x + at.width - 8.0,
-            at.y + 34.0,
-            "broad and faint: full memory against the exact wave",
-            style,
-        );
+        let right = at.x + at.width - 8.0;
+        if i == 2 {
+            figure.text(right, at.y + 18.0, "dashes Q = 25, line 50, dots 100", style);
+        } else {
+            figure.text(right, at.y + 18.0, "broad and faint: full memory", style);
+            figure.text(right, at.y + 33.0, "against the exact wave", style);
+        }
         panel.close(&mut figure);
     }
     let legend: Vec<(String, Stroke)> =
@@ -97,7 +97,8 @@ fn quality_stroke(curve: &CoarseCurve) -> Stroke {
 }
 
 fn csv(orders: &[CoarseCurve], qualities: &[CoarseCurve]) -> String {
-    let curves: Vec<&CoarseCurve> = orders.iter().chain(qualities).collect();
+    let known = |c: &&CoarseCurve| !orders.iter().any(|o| (o.order, o.quality) == (c.order, c.quality));
+    let curves: Vec<&CoarseCurve> = orders.iter().chain(qualities.iter().filter(known)).collect();
     let each = |of: fn(&CoarseCurve) -> f64| -> Vec<f64> {
         curves.iter().flat_map(|c| std::iter::repeat_n(of(c), c.points.len())).collect()
     };

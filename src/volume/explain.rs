@@ -13,10 +13,11 @@ use std::fmt;
 /// Nanoseconds per point and step on one thread: elastic ground of affine elements in f32; `make bench` (32³ elements of
 /// order 4, whole loop) gives 1.0 M element-steps/s at 64 points an element.
 const NS_PER_POINT: f64 = 16.0;
-/// What deformed elements and f64 cost more, and each arm, as a share of it.
+/// What deformed elements and f64 cost more, memory variables with their losses, and each arm of a point, as a share of it.
 const DEFORMED: f64 = 1.3;
 const DOUBLE: f64 = 1.7;
-const ARM: f64 = 0.4;
+const MEMORY: f64 = 0.6;
+const ARM: f64 = 0.35;
 /// Share of each further thread that is gained.
 const THREAD: f64 = 0.9;
 /// Vectors of f64 that the spectral bound keeps of the whole ground: it ends after about ten steps at the tolerance
@@ -363,7 +364,11 @@ impl VolumePlan {
         let [affine, deformed, stored] = self.metrics.map(|n| n as f64);
         let shape = (affine + DEFORMED * (deformed + stored)) / (affine + deformed + stored).max(1.0);
         let precision = if self.precision == Precision::F64 { DOUBLE } else { 1.0 };
-        let factor = shape * precision * (1.0 + ARM * self.arms_per_point() as f64);
+        let memory = match self.arms_per_point() {
+            0 => 0.0,
+            arms => MEMORY + ARM * arms as f64,
+        };
+        let factor = shape * precision * (1.0 + memory);
         let threads = 1.0 + THREAD * (self.threads.max(1) - 1) as f64;
         1e-9 * NS_PER_POINT * factor * self.points() as f64 * self.sampling.steps() as f64 / threads
     }

@@ -222,7 +222,7 @@ pub enum Precision {
 pub enum MemoryVariables {
     /// Every mechanism at every point.
     Full,
-    /// One mechanism at a point, the mechanisms in turn: faster and a third of the memory, for a small error of the
+    /// One mechanism at a point, the mechanisms in turn: faster, with fewer numbers to keep, for a small error of the
     /// damping that the plan bounds.
     Coarse,
 }

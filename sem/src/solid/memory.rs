@@ -1,24 +1,4 @@
 //! Which memory variables a point keeps: all mechanisms, or one of them.
-//!
-//! **Coarse-grained.** An element's points are dealt out to the mechanisms, class $(i+j+k) \bmod L$ of the point with
-//! indices i, j, k along the local axes, and a point keeps the arm of its class alone. With $\varphi_l$ the share of the
-//! quadrature's weight that arm $l$'s points carry, such a point has, of a modulus $R + \sum_l g_l\,i\omega/(\omega_l+i\omega)$,
-//! $$ \hat M_l(\omega) = R + \sum_m r_m g_m
-//!    + \frac{g_l}{\varphi_l}\left(\frac{i\omega}{\omega_l + i\omega} - r_l\right), $$
-//! so that the element's average $\sum_l\varphi_l\hat M_l$ is the full law at every frequency, whatever the constants $r_l$,
-//! which shift stiffness between the points. Long waves feel an element somewhere between its average modulus and its average
-//! compliance, which differ by the variance in space, $\sum_l\varphi_l\delta_l^2$, $\delta_l = \hat M_l - M$. Its imaginary part,
-//! which damping sees, is
-//! $$ 2\sum_l\varphi_l\,\mathrm{Re}\,\delta_l\,\mathrm{Im}\,\delta_l $$
-//! and linear in $r_l$, for no $r_l$ touches $\mathrm{Im}\,\delta_l$. The constants here make it vanish in least
-//! squares over the band of the damping: stiff points are then no more and no less lossy than soft ones. With $r_l = 1$ the
-//! unrelaxed modulus would be the same at every point (Day 1998), with $r_l = 0$ the relaxed one: 1/Q is then some
-//! hundred times further off.
-//!
-//! Relaxed moduli differ from point to point, by more the smaller Q is and the wider the band; one that is
-//! not positive is refused.
-//!
-//! Day (1998) and Day & Bradley (2001) for finite differences; van Driel & Nissen-Meyer (2014) for spectral elements.
 
 use super::geometry::point;
 use super::material::Material;
@@ -30,6 +10,26 @@ use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 /// How memory variables are spread over an element's points.
+///
+/// **Coarse.** An element's points are dealt out to the mechanisms, class $(i+j+k) \bmod L$ of the point with
+/// indices i, j, k along the local axes, and a point keeps the arm of its class alone. With $\varphi_l$ the share of the
+/// quadrature's weight that arm $l$'s points carry, such a point has, of a modulus $R + \sum_l g_l\,i\omega/(\omega_l+i\omega)$,
+/// $$ \hat M_l(\omega) = R + \sum_m r_m g_m
+///    + \frac{g_l}{\varphi_l}\left(\frac{i\omega}{\omega_l + i\omega} - r_l\right), $$
+/// so that the element's average $\sum_l\varphi_l\hat M_l$ is the full law at every frequency, whatever the constants $r_l$,
+/// which shift stiffness between the points. Long waves feel an element somewhere between its average modulus and its average
+/// compliance, which differ by the variance in space, $\sum_l\varphi_l\delta_l^2$, $\delta_l = \hat M_l - M$. Its imaginary part,
+/// which damping sees, is
+/// $$ 2\sum_l\varphi_l\,\mathrm{Re}\,\delta_l\,\mathrm{Im}\,\delta_l $$
+/// and linear in $r_l$, for no $r_l$ touches $\mathrm{Im}\,\delta_l$. The constants here make it vanish in least
+/// squares over the band of the damping: stiff points are then no more and no less lossy than soft ones. With $r_l = 1$ the
+/// unrelaxed modulus would be the same at every point (Day 1998), with $r_l = 0$ the relaxed one: 1/Q is then some
+/// hundred times further off.
+///
+/// Relaxed moduli differ from point to point, by more the smaller Q is and the wider the band; one that is
+/// not positive is refused.
+///
+/// Day (1998) and Day & Bradley (2001) for finite differences; van Driel & Nissen-Meyer (2014) for spectral elements.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Memory {
     /// Every mechanism at every point.
