@@ -8,6 +8,7 @@
 //! Values missing from the summary read `—`; what cannot be drawn (no samples, no ledger) is left out.
 
 mod chart;
+mod coarse;
 mod cost;
 mod dispersion;
 mod figures;
@@ -26,6 +27,7 @@ pub mod wave;
 use std::path::Path;
 
 pub(crate) use chart::{chart_figure, chart_page};
+pub(crate) use coarse::{CoarseCurve, coarse_figure};
 pub(crate) use cost::{CostCurve, cost_figure};
 pub(crate) use dispersion::{DispersionCurve, dispersion_figure};
 pub(crate) use record::{Row, clear_record_figures, write_index, write_record_report};

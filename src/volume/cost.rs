@@ -3,7 +3,7 @@
 use super::plan::VolumePlan;
 use super::sampling::Rows;
 use crate::plan::{PlanError, available_memory};
-use hati_inputs::scene::Precision;
+use hati_inputs::scene::{MemoryVariables, Precision};
 use std::sync::LazyLock;
 
 /// Vectors of f64 that the spectral bound keeps of the whole ground: it ends after about ten steps at the tolerance
@@ -17,6 +17,8 @@ const BENCH: (&str, &str) = (
 );
 /// Arms of the bench's damped ground.
 const BENCH_ARMS: f64 = 3.0;
+/// Share of what these arms cost that does not depend on their number: the losses, which need the strain's increment.
+const LOSSES: f64 = 0.36;
 
 /// Speed of the time loop as the bench measured it.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,9 +114,17 @@ pub(super) fn expect_memory(
 }
 
 impl VolumePlan {
+    /// Memory variables of a point, in strain components.
+    fn arms_per_point(&self) -> usize {
+        match self.memory_variables {
+            MemoryVariables::Full => self.mechanisms.0,
+            MemoryVariables::Coarse => self.mechanisms.0.min(1),
+        }
+    }
+
     /// Memory of a run, bytes.
     pub fn memory(&self) -> f64 {
-        let (order, arms) = (self.resolution.order, self.mechanisms.0);
+        let (order, arms) = (self.resolution.order, self.arms_per_point());
         let solid = bytes(self.elements() as f64, self.dimension, order, self.precision, arms, self.threads);
         let loads: usize = 8 * self.sampling.steps() as usize;
         let watched = |points: usize| 80.0 * points as f64;
@@ -152,7 +162,7 @@ impl VolumePlan {
 
     /// Estimated time of the loop, s: at the speed of the stored bench ([`speed`]), whatever this machine is.
     ///
-    /// Deformed elements and damping cost what they cost there (arms in proportion to its three), and each further thread
+    /// Deformed elements and damping cost what they cost there (the arms' part in proportion to its three), and each further thread
     /// gains what its second one did.
     pub fn seconds(&self) -> f64 {
         let s = speed();
@@ -160,7 +170,11 @@ impl VolumePlan {
         let cost = |threads: usize| {
             let of = |deformed: usize| {
                 let [elastic, viscous] = s.ns_per_point[deformed][double][threads];
-                elastic + (viscous - elastic) * self.mechanisms.0 as f64 / s.arms
+                let share = match self.arms_per_point() {
+                    0 => 0.0,
+                    arms => LOSSES + (1.0 - LOSSES) * arms as f64 / s.arms,
+                };
+                elastic + (viscous - elastic) * share
             };
             let [affine, straight, stored] = self.metrics.map(|n| n as f64);
             (affine * of(0) + (straight + stored) * of(1)) / (affine + straight + stored).max(1.0)

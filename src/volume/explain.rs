@@ -3,9 +3,10 @@
 use super::mesh::{BoxSizes, PlannedBoundary};
 use super::plan::{Limiting, Reached, VolumePlan};
 use super::sampling::Rows;
-use super::sizes::SHARE;
+use super::sizes::{Frequencies, SHARE};
 use crate::plan::Reason;
-use hati_inputs::scene::{BoundaryKind, Precision, Resolved, Scene};
+use hati_inputs::scene::{BoundaryKind, MemoryVariables, Precision, Resolved, Scene};
+use hati_sem::solid::coarse_error;
 use serde_json::{Value, json};
 use std::fmt;
 
@@ -150,6 +151,12 @@ impl VolumePlan {
                 &why,
                 json!(count),
             );
+            let (word, why) = (self.memory_variables.as_str(), self.spread_why());
+            let auto = d.memory_variables.is_auto();
+            told.add("discretisation.memory_variables", word.into(), auto, &why, json!(word));
+            if !auto && let Some(reason) = told.reasons.last_mut() {
+                reason.why = format!("user: {why}");
+            }
             let why = "geometric mean of the damping's band";
             let auto = scene.soil.reference_frequency.is_auto();
             told.add(
@@ -179,6 +186,28 @@ impl VolumePlan {
         let all_given = self.boundaries.iter().all(|b| b.given);
         let why = if all_given { "user".to_owned() } else { format!("default: {why}") };
         told.remark("domain.boundary", words.join(", "), why);
+    }
+
+    /// What the spread of the memory variables means for the damping.
+    fn spread_why(&self) -> String {
+        if self.memory_variables == MemoryVariables::Full {
+            return "every mechanism at every point".into();
+        }
+        let Frequencies { f_half, f_max, .. } = self.frequencies;
+        let worst = |frequency: f64| {
+            let of =
+                |m| coarse_error(m, self.resolution.order, self.dimension, frequency).unwrap_or((0.0, 0.0));
+            self.ground
+                .materials()
+                .iter()
+                .map(of)
+                .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)))
+        };
+        let ((half, _), (top, speed)) = (worst(f_half), worst(f_max));
+        format!(
+            "one mechanism at a point: 1/Q of long waves is off by at most {half:.1e} at {f_half:.3} Hz and {top:.1e} at \
+             {f_max:.3} Hz, speeds by {speed:.1e}"
+        )
     }
 
     fn explain_step(&self, scene: &Scene, notes: &Notes, told: &mut Told) {
@@ -382,7 +411,7 @@ impl VolumePlan {
             "precision": if self.precision == Precision::F64 { "f64" } else { "f32" },
             "dt": s.dt, "steps": s.steps(), "sample_dt": s.sample_dt(), "samples": s.samples,
             "dt_critical": self.dt_critical, "limited_by": self.limiting.to_string(),
-            "mechanisms": self.mechanisms.0, "f_max": self.frequencies.f_max,
+            "mechanisms": self.mechanisms.0, "memory_variables": self.memory_variables.as_str(), "f_max": self.frequencies.f_max,
             "points_per_wavelength": self.resolution.points_per_wavelength,
             "reference_frequency": self.frequencies.reference,
             "materials": self.materials,

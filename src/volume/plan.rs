@@ -9,9 +9,11 @@ use super::sources::{self, Signal};
 use super::symmetry;
 use crate::outputs::wave::{Cells, Grid};
 use crate::plan::{PlanError, Reason, STEP_MARGIN};
-use hati_inputs::scene::{Auto, BoundaryKind, MaterialValues, OutputQuantity, Precision, Resolved, Scene};
+use hati_inputs::scene::{
+    Auto, BoundaryKind, MaterialValues, MemoryVariables, OutputQuantity, Precision, Resolved, Scene,
+};
 use hati_sem::mesh::{Locator, Mesh, MeshReport, Resolution};
-use hati_sem::solid::{Execution, Ground, Material, Probe, Solid, Support};
+use hati_sem::solid::{Execution, Ground, Material, Memory, Probe, Solid, Support};
 use std::time::Duration;
 
 /// Wall time between checkpoints where the scene leaves it open.
@@ -133,6 +135,8 @@ pub struct VolumePlan {
     pub reached: Vec<Reached>,
     /// Mechanisms of damping, and the relative error of the modulus.
     pub mechanisms: (usize, f64),
+    /// How memory variables are spread over the points.
+    pub memory_variables: MemoryVariables,
     /// Precision of the run.
     pub precision: Precision,
     /// What single precision would leave, and why this precision.
@@ -199,6 +203,7 @@ impl VolumePlan {
         let report = mesh::checked(&made.mesh, resolution.order, made.file.as_ref())?;
         let materials = in_order(&values, &made.mesh);
         let mut ground = assemble(scene, made.mesh, &values, &resolution, &frequencies, mechanisms.0)?;
+        let memory_variables = spread(scene, &mut ground)?;
         let limiting = limiting(&ground, made.file.as_ref());
         let threads = if ground.numbering().nodes < PARALLEL_POINTS { 1 } else { threads };
         let asked = scene.discretisation.precision;
@@ -217,6 +222,7 @@ impl VolumePlan {
             frequencies,
             resolution,
             mechanisms,
+            memory_variables,
             precision: asked.value().copied().unwrap_or(Precision::F32),
             rounding: Rounding::choose(asked, 0.0, 1.0, true, scene.accuracy),
             dt_critical,
@@ -362,6 +368,16 @@ fn assemble(
         ground.support(&name, support)?;
     }
     Ok(ground)
+}
+
+/// Spreads the memory variables as the scene says.
+fn spread(scene: &Scene, ground: &mut Ground) -> Result<MemoryVariables, PlanError> {
+    let asked = scene.discretisation.memory_variables.value().copied().unwrap_or(MemoryVariables::Full);
+    ground.set_memory(match asked {
+        MemoryVariables::Full => Memory::Full,
+        MemoryVariables::Coarse => Memory::Coarse,
+    })?;
+    Ok(asked)
 }
 
 fn limiting(ground: &Ground, file: Option<&FileMesh>) -> Limiting {

@@ -206,6 +206,40 @@ fn a_section_runs_in_both_precisions() {
 }
 
 #[test]
+fn memory_variables_are_spread_where_the_scene_says_so() {
+    let dir = folder();
+    let scene = write(dir.path(), "scene.toml", SCENE_2D);
+    let run = |name: &str, more: &[&str]| {
+        let all =
+            [&["run", &scene, "--out", name, "--set", "soil.base.damping=0.01", "--json"], more].concat();
+        hati(dir.path(), &all).exits(0).json()
+    };
+    let full = run("full", &["--set", "discretisation.memory_variables=\"full\""]);
+    let coarse = run("coarse", &["--set", "discretisation.memory_variables=\"coarse\""]);
+    assert_eq!(coarse["model"]["memory_variables"], "coarse");
+    assert!(number(&coarse, "/model/mechanisms") > 1.0);
+    let pga = |s| number(s, "/results/top/z/pga");
+    let apart = (pga(&coarse) / pga(&full) - 1.0).abs();
+    assert!(apart > 0.0 && apart < 5e-3, "{apart:e}");
+    assert!(number(&coarse, "/energy/closing_error") < 1e-4);
+    let resolved = std::fs::read_to_string(dir.path().join("coarse/scene.resolved.toml")).unwrap_or_default();
+    assert!(resolved.contains("memory_variables = \"coarse\""), "{resolved}");
+    // too strong a damping for the spread
+    let arguments = [
+        "plan",
+        &scene,
+        "--set",
+        "soil.base.damping=0.3",
+        "--set",
+        "discretisation.mechanisms=5",
+        "--set",
+        "discretisation.memory_variables=\"coarse\"",
+    ];
+    let refused = hati(dir.path(), &arguments);
+    assert!(refused.stderr.contains("too strong to be spread over the points"), "{}", refused.stderr);
+}
+
+#[test]
 fn the_shipped_scenes_run_coarsely() {
     let dir = folder();
     let coarse = [

@@ -146,7 +146,8 @@ impl<T: Real> Blocks<'_, T> {
     ) {
         let (model, pass) = (self.model, self.pass);
         let (shared_x, shared_v) = (self.shared_x, self.shared_v);
-        if model.arms > 0 && pass != Pass::UnrelaxedForce {
+        // moduli that differ from point to point are read where memory is
+        if model.arms > 0 && (pass != Pass::UnrelaxedForce || model.classes > 1) {
             let leaf = Leaf::<T, P, K, true> { model, pass, blocks, own, shared_x, shared_v, scratch };
             dispatch(leaf);
         } else {
