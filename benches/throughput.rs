@@ -1,13 +1,14 @@
 //! Throughput of the solid's whole time loop, with its share of what the machine allows.
 //!
 //! ```text
-//! cargo bench --bench throughput -- [--elements 32] [--order 4] [--only f32] [--save benches/results]
+//! cargo bench --bench throughput -- [--elements 32] [--order 4] [--only f32] [--law coarse] [--save benches/results]
+//! cargo bench --bench throughput -- --pairs 9 [--elements 32]   full and coarse memory in turns, on one core
 //! ```
 //!
 //! A box of 32³ elements of order 4 under a point force, stepped at 0.9 of its critical step, its free
 //! surface looked at every fourth step, sub-sampled to every 10 ms and written to a file; five rounds of at least half a second each; the table
 //! gives medians. *Deformed*: inner corners moved at random by 15 % of an element. *Viscoelastic*: three
-//! mechanisms. Bytes and operations are counted, not measured: every array once a step from memory, every
+//! mechanisms at every point; *coarse*: one of them at each. Bytes and operations are counted, not measured: every array once a step from memory, every
 //! operation of the kernel's formulas.
 
 #![allow(clippy::print_stdout)]
@@ -19,7 +20,7 @@ use hati::outputs::wave::{Cells, WaveLayout, WaveWriter};
 use hati_coupling::Subdomain;
 use hati_sem::mesh::{BoxLayer, LayeredBox, Locator};
 use hati_sem::soil::Layer;
-use hati_sem::solid::{Execution, Ground, Material, Real, Solid, Watch, limits};
+use hati_sem::solid::{Execution, Ground, Material, Memory, Real, Solid, Watch, limits};
 use std::fmt::Write as _;
 use std::time::Instant;
 
@@ -33,11 +34,14 @@ struct Options {
     elements: usize,
     order: usize,
     only: String,
+    law: String,
+    pairs: usize,
     save: Option<String>,
 }
 
 fn options() -> Options {
-    let mut options = Options { elements: 32, order: 4, only: String::new(), save: None };
+    let mut options =
+        Options { elements: 32, order: 4, only: String::new(), law: String::new(), pairs: 0, save: None };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().unwrap_or_default();
@@ -45,6 +49,8 @@ fn options() -> Options {
             "--elements" => options.elements = value().parse().expect("--elements takes a number"),
             "--order" => options.order = value().parse().expect("--order takes a number"),
             "--only" => options.only = value(),
+            "--law" => options.law = value(),
+            "--pairs" => options.pairs = value().parse().expect("--pairs takes a number"),
             "--save" => options.save = Some(value()),
             _ => {}
         }
@@ -60,6 +66,9 @@ struct Machine {
 
 fn main() {
     let options = options();
+    if options.pairs > 0 {
+        return pairs(&options);
+    }
     let machine = Machine {
         triad: [limits::triad_bandwidth::<f32>(32 << 20, 5), limits::triad_bandwidth::<f64>(16 << 20, 5)],
         fma: [limits::fma_peak::<f32>(5), limits::fma_peak::<f64>(5)],
@@ -75,13 +84,10 @@ fn main() {
     );
     println!("{}", HEAD);
     for deformed in [false, true] {
-        for damped in [false, true] {
-            let ground = ground(&options, deformed, damped);
-            let dt = 0.9
-                * Solid::<f32>::critical_step(&ground, 0.02, Execution::default())
-                    .expect("a bound of the step");
-            let names =
-                (if deformed { "deformed" } else { "affine" }, if damped { "viscous" } else { "elastic" });
+        for (law, memory) in LAWS.into_iter().filter(|(law, _)| law.starts_with(&options.law)) {
+            let ground = ground(&options, deformed, memory);
+            let dt = stable_step(&ground);
+            let names = (if deformed { "deformed" } else { "affine" }, law);
             for threads in [1, 2] {
                 if options.only.is_empty() || options.only == "f32" {
                     case::<f32>(&ground, dt, threads, names, &machine, 0, &mut csv);
@@ -118,9 +124,76 @@ fn main() {
     }
 }
 
+/// Laws of the rows.
+const LAWS: [(&str, Option<Memory>); 3] =
+    [("elastic", None), ("viscous", Some(Memory::Full)), ("coarse", Some(Memory::Coarse))];
+
+fn stable_step(ground: &Ground) -> f64 {
+    0.9 * Solid::<f32>::critical_step(ground, 0.02, Execution::default()).expect("a bound of the step")
+}
+
+/// Rounds of full and of coarse memory in turns, in processor time, so that what else the machine does falls on both; medians.
+fn pairs(options: &Options) {
+    println!(
+        "mesh      prec | full, coarse (M element-steps/s, one core) | coarse/full: median (least, most)"
+    );
+    for deformed in [false, true] {
+        let grounds = [Memory::Full, Memory::Coarse].map(|memory| ground(options, deformed, Some(memory)));
+        let mesh = if deformed { "deformed" } else { "affine" };
+        if options.only != "f64" {
+            pairs_in::<f32>(&grounds, mesh, options.pairs);
+        }
+        if options.only != "f32" {
+            pairs_in::<f64>(&grounds, mesh, options.pairs);
+        }
+    }
+}
+
+/// Seconds that this thread has run; wall time where the system does not tell.
+fn processor_time() -> f64 {
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let ran = text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok());
+    ran.map_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64(), |ns| 1e-9 * ns)
+}
+
+fn pairs_in<T: Real>(grounds: &[Ground; 2], mesh: &str, rounds: usize) {
+    let mut solids = grounds.each_ref().map(|ground| {
+        let dt = stable_step(ground);
+        Solid::<T>::new(ground, dt, dt, Execution::default())
+    });
+    let mut rates = vec![];
+    for _ in 0..=rounds {
+        rates.push(solids.each_mut().map(|solid| {
+            let (start, mut steps) = (processor_time(), 0);
+            while steps < 3 || processor_time() - start < 0.5 {
+                solid.step();
+                steps += 1;
+            }
+            1e-6 * (grounds[0].mesh().len() * steps) as f64 / (processor_time() - start)
+        }));
+    }
+    // the first round finds caches and pages cold
+    let sorted = |of: &dyn Fn(&[f64; 2]) -> f64| {
+        let mut values: Vec<f64> = rates[1..].iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let (full, coarse, ratio) = (sorted(&|r| r[0]), sorted(&|r| r[1]), sorted(&|r| r[1] / r[0]));
+    println!(
+        "{mesh:<9} {:<4} | {:.3}, {:.3} | {:.3} ({:.3}, {:.3})",
+        T::NAME,
+        full[rounds / 2],
+        coarse[rounds / 2],
+        ratio[rounds / 2],
+        ratio[0],
+        ratio[rounds - 1]
+    );
+}
+
 const HEAD: &str = "mesh      law      prec threads | M element-steps/s (least, most) | ns/point | surface output | held B/el | moved B/el | flop/el | of triad | of FMA";
 
-fn ground(options: &Options, deformed: bool, damped: bool) -> Ground {
+fn ground(options: &Options, deformed: bool, memory: Option<Memory>) -> Ground {
     let n = options.elements;
     let layers = [BoxLayer { name: "soil".into(), thickness: n as f64, elements: n }];
     let mut mesh = LayeredBox {
@@ -138,7 +211,7 @@ fn ground(options: &Options, deformed: bool, damped: bool) -> Ground {
     if deformed {
         mesh.move_interior_nodes(0.15, 1);
     }
-    let damping = if damped { 0.02 } else { 0.0 };
+    let damping = if memory.is_some() { 0.02 } else { 0.0 };
     let layer = Layer {
         name: "soil".into(),
         thickness: n as f64,
@@ -150,6 +223,7 @@ fn ground(options: &Options, deformed: bool, damped: bool) -> Ground {
     };
     let material = Material::of_layer(&layer, 1.0, (0.5, 20.0), 3).expect("a fit");
     let mut ground = Ground::new(mesh, options.order, &[material]).expect("a ground");
+    ground.set_memory(memory.unwrap_or_default()).expect("memory that fits the order");
     let middle = 0.5 * n as f64 + 0.3;
     let forces = {
         let locator = Locator::new(ground.mesh());

@@ -9,7 +9,7 @@ use std::time::Duration;
 use hati::outputs::thread::{Background, Sink};
 use hati::outputs::wave::{Cells, Grid, Peaks, Sensor, SensorLayout, SensorWriter, WaveLayout, WaveWriter};
 use hati::outputs::{OutputError, Provenance};
-use hati::report::wave::{KeyNumber, SurfaceMotion, WavePage, write_wave_report};
+use hati::report::wave::{KeyNumber, MeshPicture, SurfaceMotion, WavePage, write_wave_report};
 use hati::results::Trace;
 
 const ROWS: usize = 70;
@@ -453,6 +453,9 @@ fn page(surface: SurfaceMotion) -> WavePage {
         subtitle: "3D ground · made for a test".into(),
         warnings: vec!["made by a formula".into()],
         numbers: vec![number],
+        mesh: MeshPicture::default(),
+        ledger: vec![],
+        is_section: false,
         surface: Some(surface),
         traces: vec![trace("A", 0), trace("B", 0), trace("A", 2)],
         dt: 0.01,

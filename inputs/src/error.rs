@@ -1,10 +1,11 @@
-//! The one error type of this crate: what was wrong, where, what was expected, what to do.
+//! The one error type of this crate: what was wrong, where, what was expected, what to do. One list, longer than other files.
 
 use std::path::PathBuf;
 
 use crate::gmsh::{MeshFault, point};
 use crate::motion::Quantity;
 use crate::number::{brief, nine, plain};
+use words::{and_others, no_step, step_options};
 
 /// Everything that can be wrong with a record, a motion or the reader behind them.
 ///
@@ -621,23 +622,7 @@ pub enum InputError {
     },
 }
 
-/// How many elements beside the first have a fault.
-fn and_others(count: usize) -> String {
-    if count == 0 { String::new() } else { format!(" (the first of {})", count + 1) }
-}
-
-/// What is said of a step that is missing or doubted.
-fn no_step(doubt: Option<&str>) -> String {
-    match doubt {
-        Some(doubt) => format!("no sure time step: {doubt}"),
-        None => "no time step: the file holds values without times".into(),
-    }
-}
-
-/// How a step is given, with its value where that is known.
-fn step_options(dt: Option<f64>) -> String {
-    dt.map(brief).map_or_else(|| "--dt or `dt`".into(), |dt| format!("--dt {dt} (dt = {dt} in a scene)"))
-}
+mod words;
 
 #[cfg(test)]
 mod tests;

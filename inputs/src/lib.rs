@@ -26,6 +26,7 @@ pub mod gmsh;
 pub mod measures;
 pub mod motion;
 mod number;
+mod python;
 pub mod records;
 pub mod scene;
 

@@ -326,6 +326,32 @@ pub enum SemError {
         /// Speed of S waves, m/s.
         vs: f64,
     },
+    /// Too few points of an element for the mechanisms that are spread over them.
+    #[error(
+        "an element of order {order} in {dimension} dimensions has too few points to spread {mechanisms} mechanisms of damping over them evenly: ask for a higher order or fewer mechanisms, or keep all memory variables at every point (memory_variables = \"full\")"
+    )]
+    CoarseOrder {
+        /// Polynomial order.
+        order: usize,
+        /// Dimension.
+        dimension: usize,
+        /// Mechanisms.
+        mechanisms: usize,
+    },
+    /// Damping so strong that points with one mechanism each would lose their stiffness.
+    #[error(
+        "damping of `{material}` is too strong to be spread over the points: those of the mechanism of {frequency:.4} Hz would have a relaxed {modulus} modulus of {share:.3} times the mean, where it has to be above 0: keep all memory variables at every point (memory_variables = \"full\"), or ask for fewer mechanisms"
+    )]
+    CoarseModulus {
+        /// Material.
+        material: String,
+        /// Modulus, "shear" or "bulk".
+        modulus: &'static str,
+        /// Relaxed modulus of such a point over the mean.
+        share: f64,
+        /// Relaxation frequency, Hz.
+        frequency: f64,
+    },
     /// A number of materials that is not the mesh's.
     #[error("the mesh has material `{name}`, for which no values are given; known are: {}", known.join(", "))]
     UnknownMaterial {

@@ -68,6 +68,20 @@ pub enum PlanError {
         /// Largest angle between normals, degrees.
         angle: f64,
     },
+    /// A source on a plane of symmetry that is not its own mirror image.
+    #[error(
+        "source `{source_name}` stands on the plane of symmetry `{boundary}` (normal {normal:?}), where its {component} cannot be: mirrored, it is its own opposite\n  help: set it to 0, move the source off the plane, or model both sides of the plane in place of domain.boundary.{boundary} = \"symmetry\""
+    )]
+    AcrossSymmetry {
+        /// The source.
+        source_name: String,
+        /// The plane.
+        boundary: String,
+        /// Its normal.
+        normal: [f64; 3],
+        /// What crosses it, with its value.
+        component: String,
+    },
     /// The given step is too long for the ground in two or three dimensions.
     #[error(
         "discretisation.dt = {dt:.4e} s is unstable: the critical step is {dt_critical:.4e} s, bounded by {limited_by}\n  help: give dt ≤ {safe:.3e} s, or leave it to \"auto\""

@@ -8,6 +8,7 @@
 //! Values missing from the summary read `—`; what cannot be drawn (no samples, no ledger) is left out.
 
 mod chart;
+mod coarse;
 mod cost;
 mod dispersion;
 mod figures;
@@ -26,6 +27,7 @@ pub mod wave;
 use std::path::Path;
 
 pub(crate) use chart::{chart_figure, chart_page};
+pub(crate) use coarse::{CoarseCurve, coarse_figure};
 pub(crate) use cost::{CostCurve, cost_figure};
 pub(crate) use dispersion::{DispersionCurve, dispersion_figure};
 pub(crate) use record::{Row, clear_record_figures, write_index, write_record_report};
@@ -51,7 +53,7 @@ pub fn write_report(dir: &Path, data: &SiteResponse) -> Result<(), OutputError> 
         let view = View::new(data, axis, &measures, &periods);
         components.push(Component { axis, entries: entries(&view)? });
     }
-    let ledger = figures::ledger(data).map(|plate| Entry {
+    let ledger = figures::ledger(&data.ledger, figures::Ledgered::Column).map(|plate| Entry {
         plate,
         heading: "Where the energy went",
         folded: false,

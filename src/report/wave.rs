@@ -1,16 +1,16 @@
-//! The page of a run in two or three dimensions: the surface's motion as pictures and a film, peak maps,
-//! histories at stations.
+//! The page of a run in two or three dimensions: the mesh, the surface's motion as pictures and a film, peak maps,
+//! histories at stations, the energy ledger.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::figures::{self, Film, Motion, Traces};
+use super::figures::{self, Film, Ledgered, Motion, Traces};
 use super::page::{self, Entry};
 use super::svg::escape;
 use super::{measure, place};
 use crate::outputs::OutputError;
 use crate::outputs::wave::Cells;
-use crate::results::{AXES, Trace};
+use crate::results::{AXES, LedgerRow, Trace};
 
 /// Motion of the surface over time, as the page draws it.
 #[derive(Debug, Clone)]
@@ -45,6 +45,39 @@ impl SurfaceMotion {
     }
 }
 
+/// The mesh as the page draws it.
+#[derive(Debug, Clone, Default)]
+pub struct MeshPicture {
+    /// Names of the materials.
+    pub materials: Vec<String>,
+    /// Views, drawn side by side.
+    pub views: Vec<MeshView>,
+    /// Names and places x, y, z of the sources, m.
+    pub sources: Vec<(String, [f64; 3])>,
+    /// Names and places of the stations, m.
+    pub stations: Vec<(String, [f64; 3])>,
+}
+
+/// A view of the mesh.
+#[derive(Debug, Clone)]
+pub struct MeshView {
+    /// From where.
+    pub title: String,
+    /// Which coordinates run to the right and up: 0 x, 1 y, 2 z.
+    pub axes: [usize; 2],
+    /// What is seen, from far to near.
+    pub faces: Vec<MeshFace>,
+}
+
+/// An element or a side of one, as a view shows it.
+#[derive(Debug, Clone)]
+pub struct MeshFace {
+    /// Number of its material.
+    pub material: usize,
+    /// Its outline: to the right and up, m.
+    pub outline: Vec<[f64; 2]>,
+}
+
 /// A number of the page's head with what it is and a word on it.
 #[derive(Debug, Clone)]
 pub struct KeyNumber {
@@ -67,6 +100,12 @@ pub struct WavePage {
     pub warnings: Vec<String>,
     /// The head's numbers.
     pub numbers: Vec<KeyNumber>,
+    /// The mesh.
+    pub mesh: MeshPicture,
+    /// Rows of the energy ledger: J, of a section J/m.
+    pub ledger: Vec<LedgerRow>,
+    /// Whether the ground is a section.
+    pub is_section: bool,
     /// The surface, where it was kept.
     pub surface: Option<SurfaceMotion>,
     /// Motions at stations.
@@ -83,6 +122,8 @@ pub struct WavePage {
 /// Unwritable folder, full disk, an image that cannot be encoded.
 pub fn write_wave_report(dir: &Path, page: &WavePage) -> Result<(), OutputError> {
     let mut entries = vec![];
+    let plain = |plate, heading| Entry { plate, heading, folded: false, words: String::new() };
+    entries.extend(figures::mesh(&page.mesh).map(|plate| plain(plate, "The model")));
     if let Some(surface) = page.surface.as_ref().filter(|s| s.is_sound()) {
         entries.extend(surface_entries(surface)?);
     }
@@ -110,6 +151,8 @@ pub fn write_wave_report(dir: &Path, page: &WavePage) -> Result<(), OutputError>
             entries.extend(plate.map(|plate| Entry { plate, heading, folded, words: String::new() }));
         }
     }
+    let kind = if page.is_section { Ledgered::Section } else { Ledgered::Volume };
+    entries.extend(figures::ledger(&page.ledger, kind).map(|plate| plain(plate, "Where the energy went")));
     super::write_figures(dir, entries.iter())?;
     crate::outputs::replace_bytes(&dir.join("report.html"), html(page, &entries).as_bytes(), false)
 }

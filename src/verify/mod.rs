@@ -114,6 +114,7 @@ const CASES: &[Case] = &[
     Case { name: "manufactured", long: false, run: solid::manufactured },
     Case { name: "dispersion", long: false, run: solid::plane_waves },
     Case { name: "attenuation", long: false, run: solid::attenuation },
+    Case { name: "attenuation-coarse", long: false, run: solid::attenuation_coarse },
     Case { name: "solid-step-bound", long: false, run: solid::solid_step_bound },
     Case { name: "lamb", long: false, run: waves::lamb },
     Case { name: "lamb-fine", long: true, run: waves::lamb_fine },
@@ -137,8 +138,11 @@ pub struct CaseFigure {
 type Draw = fn() -> Result<CaseFigure, RunError>;
 
 /// Cases that have a figure, and how it is made.
-const FIGURES: &[(&str, Draw)] =
-    &[("dispersion", solid::dispersion_chart), ("lamb-chart", waves::cost_chart)];
+const FIGURES: &[(&str, Draw)] = &[
+    ("dispersion", solid::dispersion_chart),
+    ("attenuation-coarse", solid::coarse_chart),
+    ("lamb-chart", waves::cost_chart),
+];
 
 /// Figures of the wanted cases; those of long ones only when asked for.
 pub fn figures(wanted: &dyn Fn(&str) -> bool, long: bool) -> Result<Vec<CaseFigure>, RunError> {

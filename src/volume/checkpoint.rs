@@ -8,7 +8,8 @@
 //! there is either the checkpoint before or this one, whole, and every file holds at least its rows; a restart cuts
 //! the files back to them.
 
-use super::files::{RowCounts, Streams, VolumeError};
+use super::error::VolumeError;
+use super::files::{RowCounts, Streams};
 use crate::outputs::{OutputError, expect_room};
 use hati_coupling::Ledger;
 use hati_sem::solid::{Real, Solid};

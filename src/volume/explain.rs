@@ -1,30 +1,23 @@
-//! The plan in words and as JSON; memory, disk and time.
+//! The plan in words and as JSON.
 
 use super::mesh::{BoxSizes, PlannedBoundary};
-use super::plan::{Limiting, VolumePlan};
+use super::plan::{Limiting, Reached, VolumePlan};
 use super::sampling::Rows;
-use super::sizes::SHARE;
-use crate::plan::{PlanError, Reason, available_memory};
-use hati_inputs::scene::{BoundaryKind, Precision, Resolved, Scene};
+use super::sizes::{Frequencies, SHARE};
+use crate::plan::Reason;
+use hati_inputs::scene::{BoundaryKind, MemoryVariables, Precision, Resolved, Scene};
+use hati_sem::solid::coarse_error;
 use serde_json::{Value, json};
 use std::fmt;
 
-/// Nanoseconds per point and step on one thread: elastic ground of affine elements in f32; `make bench` (32³ elements of
-/// order 4, whole loop) gives 1.0 M element-steps/s at 64 points an element.
-const NS_PER_POINT: f64 = 16.0;
-/// What deformed elements and f64 cost more, and each arm, as a share of it.
-const DEFORMED: f64 = 1.3;
-const DOUBLE: f64 = 1.7;
-const ARM: f64 = 0.4;
-/// Share of each further thread that is gained.
-const THREAD: f64 = 0.9;
-/// Vectors of f64 that the spectral bound keeps of the whole ground: it ends after about ten steps at the tolerance
-/// asked, twice that where the mesh is graded.
-const LANCZOS_VECTORS: f64 = 20.0;
 /// Share of the run beyond which a filter's reach is told.
 const LONG_FILTER: f64 = 0.1;
-/// Points per shear wavelength below which a material is called coarse.
+/// Share of the points wanted below which a material is called coarse.
 const COARSE: f64 = 0.95;
+/// Elements about a point source within which its near field is not resolved.
+const NEAR: f64 = 2.0;
+/// Stations that a warning names; of more it tells how many.
+const NAMED: usize = 4;
 
 /// Words gathered while planning.
 #[derive(Debug, Default)]
@@ -38,6 +31,8 @@ pub(super) struct Notes {
 /// What the plan itself does not keep.
 pub(super) struct Facts {
     pub(super) points_why: String,
+    /// Whether all materials need the same points per wavelength.
+    pub(super) points_alike: bool,
     pub(super) sizes: Option<BoxSizes>,
     pub(super) time: f64,
 }
@@ -71,57 +66,12 @@ impl fmt::Display for Limiting {
     }
 }
 
-/// Bytes of a run: the ground in f64, the solid, scratch, and the vectors of the spectral bound.
-///
-/// Counted from the arrays: `per_point` 36 bytes of the ground's mass and maps, seven numbers of the solid and a
-/// local number; `per_element` connectivity, local numbers, metric, memory variables.
-fn bytes(
-    elements: f64,
-    dimension: usize,
-    order: usize,
-    precision: Precision,
-    arms: usize,
-    threads: usize,
-) -> f64 {
-    let number = if precision == Precision::F64 { 8.0 } else { 4.0 };
-    let local = ((order + 1) as f64).powi(dimension as i32);
-    let points = elements * (order as f64).powi(dimension as i32) * 1.1;
-    let components = if dimension == 2 { 5.0 } else { 6.0 };
-    let per_element =
-        4.0 * local + 2.0 * local + 64.0 + 21.0 * number + arms as f64 * components * local * number;
-    let per_point = 36.0 + 8.0 * number;
-    let scratch = 4.0 * threads as f64 * 9.0 * 65536.0 * number;
-    let lanczos = LANCZOS_VECTORS * 3.0 * 8.0 * points;
-    elements * per_element + points * per_point + scratch + lanczos
-}
-
-/// Refuses what cannot fit, before anything of that size is made.
-pub(super) fn expect_memory(
-    elements: f64,
-    dimension: usize,
-    order: usize,
-    is_box: bool,
-) -> Result<(), PlanError> {
-    let Some(available) = available_memory() else { return Ok(()) };
-    let needed = bytes(elements, dimension, order, Precision::F32, 0, 1);
-    if needed <= available {
-        return Ok(());
-    }
-    let help = if is_box {
-        "make the domain smaller, lower discretisation.f_max, give fewer points_per_wavelength or a larger element_size"
-    } else {
-        "mesh coarser, or cut the domain"
-    };
-    let help = help.to_owned();
-    let (needed_mb, available_mb) = (needed / 1e6, available / 1e6);
-    Err(PlanError::MemoryOfElements { needed_mb, available_mb, elements, order, help })
-}
-
 impl VolumePlan {
     /// Writes down every choice with its reason.
     pub(super) fn explain(&mut self, scene: &Scene, facts: &Facts, notes: Notes) {
         let mut told = Told::default();
         self.explain_sizes(scene, facts, &mut told);
+        self.explain_material(scene, facts, &mut told);
         self.explain_step(scene, &notes, &mut told);
         self.explain_outputs(scene, &mut told);
         self.warnings.extend(notes.warnings);
@@ -146,9 +96,13 @@ impl VolumePlan {
         let why = "waves of 1e-2 to 1e-3 cost least near this order";
         told.add("discretisation.order", order.to_string(), d.order.is_auto(), why, json!(order));
         let points = self.resolution.points_per_wavelength;
-        let why = facts.points_why.trim_start_matches("auto: ").to_owned();
-        let auto = d.points_per_wavelength.is_auto();
-        told.add("discretisation.points_per_wavelength", format!("{points:.2}"), auto, &why, json!(points));
+        let (auto, key) = (d.points_per_wavelength.is_auto(), "discretisation.points_per_wavelength");
+        if facts.points_alike {
+            told.add(key, format!("{points:.2}"), auto, &facts.points_why, json!(points));
+        } else {
+            // one number of the scene file could not say it; the elements' counts and size do
+            told.remark(key, format!("{points:.2}"), format!("auto: {}", facts.points_why));
+        }
         if let Some(sizes) = &facts.sizes {
             let counts: Vec<usize> = sizes.layers.iter().map(|l| l.elements).collect();
             let why = "no higher than the layer's shear wave allows";
@@ -178,6 +132,10 @@ impl VolumePlan {
             told.remark("domain.mesh", words, why.into());
         }
         self.explain_boundaries(told);
+    }
+
+    fn explain_material(&self, scene: &Scene, facts: &Facts, told: &mut Told) {
+        let (d, f) = (&scene.discretisation, &self.frequencies);
         let (count, error) = self.mechanisms;
         if count > 0 {
             let allowed = super::sizes::modulus_error(self.accuracy, f, facts.time);
@@ -193,6 +151,12 @@ impl VolumePlan {
                 &why,
                 json!(count),
             );
+            let (word, why) = (self.memory_variables.as_str(), self.spread_why());
+            let auto = d.memory_variables.is_auto();
+            told.add("discretisation.memory_variables", word.into(), auto, &why, json!(word));
+            if !auto && let Some(reason) = told.reasons.last_mut() {
+                reason.why = format!("user: {why}");
+            }
             let why = "geometric mean of the damping's band";
             let auto = scene.soil.reference_frequency.is_auto();
             told.add(
@@ -222,6 +186,28 @@ impl VolumePlan {
         let all_given = self.boundaries.iter().all(|b| b.given);
         let why = if all_given { "user".to_owned() } else { format!("default: {why}") };
         told.remark("domain.boundary", words.join(", "), why);
+    }
+
+    /// What the spread of the memory variables means for the damping.
+    fn spread_why(&self) -> String {
+        if self.memory_variables == MemoryVariables::Full {
+            return "every mechanism at every point".into();
+        }
+        let Frequencies { f_half, f_max, .. } = self.frequencies;
+        let worst = |frequency: f64| {
+            let of =
+                |m| coarse_error(m, self.resolution.order, self.dimension, frequency).unwrap_or((0.0, 0.0));
+            self.ground
+                .materials()
+                .iter()
+                .map(of)
+                .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)))
+        };
+        let ((half, _), (top, speed)) = (worst(f_half), worst(f_max));
+        format!(
+            "one mechanism at a point: 1/Q of long waves is off by at most {half:.1e} at {f_half:.3} Hz and {top:.1e} at \
+             {f_max:.3} Hz, speeds by {speed:.1e}"
+        )
     }
 
     fn explain_step(&self, scene: &Scene, notes: &Notes, told: &mut Told) {
@@ -293,16 +279,16 @@ impl VolumePlan {
     }
 
     fn warn(&mut self, facts: &Facts) {
-        let wanted = self.resolution.points_per_wavelength;
-        for (name, points) in &self.reached {
+        for Reached { material, points, wanted } in &self.reached {
             if *points < COARSE * wanted {
                 self.warnings.push(format!(
-                    "`{name}`: its elements give a shear wave of {:.3} Hz {points:.2} points per wavelength, and \
+                    "`{material}`: its elements give a shear wave of {:.3} Hz {points:.2} points per wavelength, and \
                      {wanted:.2} are wanted for the accuracy asked: mesh it finer, or lower discretisation.f_max",
                     self.frequencies.f_max
                 ));
             }
         }
+        self.warn_of_near_fields();
         let f = &self.frequencies;
         if f.f_max < 0.99 * f.of_sources {
             self.warnings.push(format!(
@@ -339,6 +325,34 @@ impl VolumePlan {
         }
     }
 
+    /// Stations so near a point source that the element's polynomial, over which its force is spread, shows.
+    fn warn_of_near_fields(&mut self) {
+        let mut warnings = vec![];
+        for source in &self.sources {
+            let (Some(at), Some(size)) = (source.position, source.element_size) else { continue };
+            let distance = |x: [f64; 3]| (0..3).map(|i| (x[i] - at[i]).powi(2)).sum::<f64>().sqrt();
+            let mut near: Vec<(f64, &str)> = (self.sensors.iter())
+                .map(|s| (distance(s.probe.position), s.name.as_str()))
+                .filter(|(distance, _)| *distance < NEAR * size)
+                .collect();
+            near.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((nearest, _)) = near.first() else { continue };
+            let named: Vec<String> =
+                near.iter().take(NAMED).map(|(d, name)| format!("`{name}` ({d:.3} m)")).collect();
+            let more = near.len().saturating_sub(NAMED);
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            warnings.push(format!(
+                "near field of source `{}`, whose element is {size:.3} m long, is not resolved within two elements: station {}{more}; \
+                 elements of {:.3} m there, or a distance of {:.3} m, would do",
+                source.name,
+                named.join(", "),
+                nearest / NEAR,
+                NEAR * size,
+            ));
+        }
+        self.warnings.extend(warnings);
+    }
+
     /// Files whose filter is long for the run.
     fn filtered(&self) -> Vec<String> {
         let duration = (self.sampling.samples - 1) as f64 * self.sampling.sample_dt();
@@ -363,73 +377,6 @@ impl VolumePlan {
         all.into_iter().filter_map(long).collect()
     }
 
-    /// Memory of a run, bytes.
-    pub fn memory(&self) -> f64 {
-        let (order, arms) = (self.resolution.order, self.mechanisms.0);
-        let solid = bytes(self.elements() as f64, self.dimension, order, self.precision, arms, self.threads);
-        let loads: usize = 8 * self.sampling.steps() as usize;
-        let watched = |points: usize| 80.0 * points as f64;
-        let kept = |rows: &Rows, values: f64| match rows {
-            Rows::Picked { .. } => 16.0 * values,
-            Rows::Filtered { .. } => 4.0 * 36.0 * values,
-        };
-        let surface =
-            self.surface.iter().map(|s| watched(s.points.len()) + kept(&s.rows, 9.0 * s.points.len() as f64));
-        let volume =
-            self.volume.iter().map(|v| watched(v.points.len()) + kept(&v.rows, 9.0 * v.points.len() as f64));
-        let field = self.field.iter().map(|f| {
-            let local = ((order + 1) as f64).powi(self.dimension as i32);
-            f.grid.points() as f64 * (92.0 * local) + kept(&f.rows, 9.0 * f.grid.points() as f64)
-        });
-        solid + loads as f64 + surface.chain(volume).chain(field).sum::<f64>()
-    }
-
-    /// Size of the run folder, bytes, while it grows: nothing is compressed then.
-    pub fn disk(&self) -> f64 {
-        let row = |points: usize, motions: usize| 12.0 * (points * motions) as f64 + 16.0;
-        let rows = |r: &Rows| r.count(&self.sampling) as f64;
-        let stations = (21 * self.sensors.len() + 2) as f64 * 8.0 * self.sampling.samples as f64;
-        let cells =
-            |c: &crate::outputs::wave::Cells| 4.0 * c.corners.len() as f64 + 24.0 * c.points.len() as f64;
-        let surface = self.surface.iter().filter(|s| !s.motions.is_empty());
-        let surface = surface.map(|s| rows(&s.rows) * row(s.points.len(), s.motions.len()) + cells(&s.cells));
-        let volume = self.volume.iter();
-        let volume = volume.map(|v| rows(&v.rows) * row(v.points.len(), v.motions.len()) + cells(&v.cells));
-        let field = self.field.iter().map(|f| rows(&f.rows) * row(f.grid.points(), f.motions.len()));
-        let number = if self.precision == Precision::F64 { 8.0 } else { 4.0 };
-        let state = 2.0 * number * 6.5 * self.points() as f64;
-        stations + surface.chain(volume).chain(field).sum::<f64>() + state + 4e6
-    }
-
-    /// Estimated time of the loop, s.
-    pub fn seconds(&self) -> f64 {
-        let [affine, deformed, stored] = self.metrics.map(|n| n as f64);
-        let shape = (affine + DEFORMED * (deformed + stored)) / (affine + deformed + stored).max(1.0);
-        let precision = if self.precision == Precision::F64 { DOUBLE } else { 1.0 };
-        let factor = shape * precision * (1.0 + ARM * self.mechanisms.0 as f64);
-        let threads = 1.0 + THREAD * (self.threads.max(1) - 1) as f64;
-        1e-9 * NS_PER_POINT * factor * self.points() as f64 * self.sampling.steps() as f64 / threads
-    }
-
-    /// Refuses a run that does not fit into the memory that is free.
-    ///
-    /// # Errors
-    /// That.
-    pub fn check_memory(&self) -> Result<(), PlanError> {
-        let Some(available) = available_memory() else { return Ok(()) };
-        let needed = self.memory();
-        if needed <= available {
-            return Ok(());
-        }
-        Err(PlanError::MemoryOfElements {
-            needed_mb: needed / 1e6,
-            available_mb: available / 1e6,
-            elements: self.elements() as f64,
-            order: self.resolution.order,
-            help: "give fewer points of output, or a coarser or smaller ground".into(),
-        })
-    }
-
     /// The plan as JSON.
     pub fn to_json(&self) -> Value {
         json!({
@@ -446,8 +393,8 @@ impl VolumePlan {
                 "scaled_jacobian_min": self.report.scaled_jacobian_min.value,
                 "sha256": self.file.as_ref().map(|f| f.sha256.clone()),
             },
-            "points_per_wavelength": self.reached.iter().map(|(n, p)| json!({ "material": n, "points": p })).collect::<Vec<_>>(),
-            "cost": { "solver_s": self.seconds(), "memory_bytes": self.memory(), "disk_bytes": self.disk() },
+            "points_per_wavelength": self.reached.iter().map(|r| json!({ "material": r.material, "points": r.points, "wanted": r.wanted })).collect::<Vec<_>>(),
+            "cost": { "solver_s": self.seconds(), "solver_s_from": super::cost::speed().from, "memory_bytes": self.memory(), "disk_bytes": self.disk() },
             "reasons": self.reasons,
             "warnings": self.warnings,
         })
@@ -464,7 +411,7 @@ impl VolumePlan {
             "precision": if self.precision == Precision::F64 { "f64" } else { "f32" },
             "dt": s.dt, "steps": s.steps(), "sample_dt": s.sample_dt(), "samples": s.samples,
             "dt_critical": self.dt_critical, "limited_by": self.limiting.to_string(),
-            "mechanisms": self.mechanisms.0, "f_max": self.frequencies.f_max,
+            "mechanisms": self.mechanisms.0, "memory_variables": self.memory_variables.as_str(), "f_max": self.frequencies.f_max,
             "points_per_wavelength": self.resolution.points_per_wavelength,
             "reference_frequency": self.frequencies.reference,
             "materials": self.materials,
@@ -485,10 +432,10 @@ impl VolumePlan {
         for r in &self.reasons {
             let _ = writeln!(text, "  {:width$}  {}\n  {:width$}    {}", r.key, r.value, "", r.why);
         }
-        for (name, points) in &self.reached {
+        for Reached { material, points, .. } in &self.reached {
             let _ = writeln!(
                 text,
-                "  `{name}`: {points:.2} points per shear wavelength at {:.3} Hz",
+                "  `{material}`: {points:.2} points per shear wavelength at {:.3} Hz",
                 self.frequencies.f_max
             );
         }
@@ -496,12 +443,13 @@ impl VolumePlan {
         let _ = writeln!(
             text,
             "  {} elements ({affine} affine, {deformed} with straight edges, {stored} curved), {} points × {} steps on {}: \
-             about {:.1} s, {:.0} MB of memory, {:.0} MB on disk",
+             about {:.1} s at the speed of {}, {:.0} MB of memory, {:.0} MB on disk",
             self.elements(),
             self.points(),
             self.sampling.steps(),
             if self.threads == 1 { "1 thread".to_owned() } else { format!("{} threads", self.threads) },
             self.seconds(),
+            super::cost::speed().from,
             (self.memory() / 1e6).max(1.0),
             (self.disk() / 1e6).max(1.0),
         );

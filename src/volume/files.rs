@@ -2,63 +2,14 @@
 
 use super::plan::VolumePlan;
 use super::sampling::Rows;
+use super::stations::Stations;
 use crate::outputs::decimate::Decimator;
 use crate::outputs::thread::Background;
-use crate::outputs::wave::{
-    Peaks, Sensor, SensorLayout, SensorWriter, WaveLayout, WaveLedgerWriter, WaveWriter,
-};
+use crate::outputs::wave::{Peaks, WaveLayout, WaveLedgerWriter, WaveWriter};
 use crate::outputs::{OutputError, Provenance};
-use crate::plan::PlanError;
-use crate::run::RunError;
-use hati_inputs::scene::OutputQuantity;
-use hati_sem::solid::{Gauge, Motion, Real, Solid, Tensors, Watch};
+use hati_sem::solid::{Real, Solid, Watch};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
-
-/// What ends a run in two or three dimensions early.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum VolumeError {
-    /// As a column's run.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The checkpoint belongs to another scene.
-    #[error(
-        "{}: the checkpoint is that of another scene, mesh, record or version of hati\n  help: give the scene and the --set of the first run, or run without --restart", path.display()
-    )]
-    OtherScene {
-        /// The checkpoint.
-        path: PathBuf,
-    },
-    /// The checkpoint cannot be read.
-    #[error("{}: the checkpoint cannot be gone on with: {why}\n  help: run without --restart", path.display())]
-    Checkpoint {
-        /// The checkpoint.
-        path: PathBuf,
-        /// Why not.
-        why: String,
-    },
-    /// No threads to be had.
-    #[error("{threads} threads cannot be started: {why}\n  help: give fewer --threads")]
-    Threads {
-        /// How many.
-        threads: usize,
-        /// Why not.
-        why: String,
-    },
-}
-
-impl From<OutputError> for VolumeError {
-    fn from(error: OutputError) -> Self {
-        Self::Run(error.into())
-    }
-}
-
-impl From<PlanError> for VolumeError {
-    fn from(error: PlanError) -> Self {
-        Self::Run(error.into())
-    }
-}
+use std::path::Path;
 
 /// Rows of every file at a checkpoint.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -110,18 +61,6 @@ pub(super) struct Streams {
     pub(super) broken: bool,
 }
 
-struct Stations {
-    writer: Option<SensorWriter>,
-    watch: Watch,
-    /// First watched point of each station.
-    firsts: Vec<usize>,
-    gauges: Vec<Option<Gauge>>,
-    tensors: Vec<Tensors>,
-    layout: SensorLayout,
-    row: Vec<f64>,
-    rows: usize,
-}
-
 /// Components that can move: y does in a section only where a source pushes along it.
 pub(super) fn axes(plan: &VolumePlan) -> Vec<usize> {
     if plan.moves_y { vec![0, 1, 2] } else { vec![0, 2] }
@@ -135,7 +74,7 @@ fn is_finished(path: &Path) -> bool {
 }
 
 /// Opens a file new, at its rows, or, where the loop had ended, not at all if it is finished.
-fn open<W>(
+pub(super) fn open<W>(
     path: &Path,
     resume: Option<usize>,
     complete: bool,
@@ -157,7 +96,15 @@ impl Streams {
         let axes = axes(plan);
         let stations = match plan.sensors.is_empty() {
             true => None,
-            false => Some(Stations::open(plan, solid, folder, provenance, &axes, resume, complete)?),
+            false => Some(Stations::open(
+                plan,
+                solid,
+                folder,
+                provenance,
+                &axes,
+                resume.map(|r| r.stations),
+                complete,
+            )?),
         };
         let path = folder.join("ledger.nc");
         let ledger = open(&path, resume.map(|r| r.ledger), complete, |rows| {
@@ -232,12 +179,7 @@ impl Streams {
 
     /// Takes the state before the step of a sample.
     pub(super) fn before<T: Real>(&mut self, solid: &Solid<T>, sample: usize) {
-        if let Some(stations) = &mut self.stations {
-            stations.watch.before(solid);
-            for (gauge, to) in stations.gauges.iter().zip(&mut stations.tensors) {
-                gauge.iter().for_each(|g| *to = g.look(solid));
-            }
-        }
+        self.stations.iter_mut().for_each(|s| s.before(solid));
         self.fields.iter_mut().filter(|f| f.wants(sample)).for_each(|f| f.watch.before(solid));
     }
 
@@ -250,8 +192,7 @@ impl Streams {
         time: f64,
     ) -> Result<(), OutputError> {
         if let Some(stations) = &mut self.stations {
-            stations.watch.after(solid);
-            self.broken |= !stations.write(plan, &self.axes, time)?;
+            self.broken |= !stations.after(plan, solid, &self.axes, time)?;
         }
         let Self { fields, background, axes, buffer, .. } = self;
         for field in fields.iter_mut().filter(|f| f.wants(sample)) {
@@ -271,8 +212,7 @@ impl Streams {
     pub(super) fn sync(&mut self) -> Result<RowCounts, OutputError> {
         let mut counts = RowCounts::default();
         if let Some(stations) = &mut self.stations {
-            stations.writer.as_mut().map_or(Ok(()), SensorWriter::sync)?;
-            counts.stations = stations.rows;
+            counts.stations = stations.sync()?;
         }
         if let Some(ledger) = &mut self.ledger {
             ledger.sync()?;
@@ -368,93 +308,6 @@ impl Streams {
     /// Time for which the loop waited for the disk, s.
     pub(super) fn waited(&self) -> f64 {
         self.background.as_ref().map_or(0.0, |b| b.waited().as_secs_f64())
-    }
-}
-
-/// The motions in the order of the rows.
-pub(super) const MOTIONS: [OutputQuantity; 3] =
-    [OutputQuantity::Displacement, OutputQuantity::Velocity, OutputQuantity::Acceleration];
-
-impl Stations {
-    fn open<T: Real>(
-        plan: &VolumePlan,
-        solid: &Solid<T>,
-        folder: &Path,
-        provenance: &Provenance,
-        axes: &[usize],
-        resume: Option<&RowCounts>,
-        complete: bool,
-    ) -> Result<Self, OutputError> {
-        let asked = |q| plan.sensors.iter().any(|s| s.quantities.contains(&q));
-        let (strain, stress) = (asked(OutputQuantity::Strain), asked(OutputQuantity::Stress));
-        let layout = SensorLayout { axes: axes.to_vec(), strain, stress };
-        let sensor = |s: &super::PlannedSensor| Sensor {
-            name: s.name.clone(),
-            asked: s.asked,
-            position: s.probe.position,
-        };
-        let sensors: Vec<Sensor> = plan.sensors.iter().map(sensor).collect();
-        let path = folder.join("stations.nc");
-        let rows = resume.map(|r| r.stations);
-        let writer = open(&path, rows, complete, |rows| {
-            SensorWriter::create(&path, provenance, &layout, &sensors, rows)
-        })?;
-        let mut points = vec![];
-        let mut firsts = vec![];
-        for s in &plan.sensors {
-            firsts.push(points.len());
-            points.extend(s.probe.weights.iter().map(|(p, _)| *p));
-        }
-        let gauge = |s: &super::PlannedSensor| {
-            let wants = s.quantities.iter().any(|q| *q >= OutputQuantity::Strain);
-            wants.then(|| Gauge::new(solid, &plan.ground, &s.probe))
-        };
-        Ok(Self {
-            writer,
-            watch: Watch::new(solid, &points),
-            firsts,
-            gauges: plan.sensors.iter().map(gauge).collect(),
-            tensors: vec![Tensors::default(); sensors.len()],
-            row: vec![f64::NAN; layout.variables() * sensors.len()],
-            layout,
-            rows: rows.unwrap_or(0),
-        })
-    }
-
-    /// Writes the row of a sample; false where it is not finite.
-    fn write(&mut self, plan: &VolumePlan, axes: &[usize], time: f64) -> Result<bool, OutputError> {
-        let count = plan.sensors.len();
-        let mut finite = true;
-        for (number, sensor) in plan.sensors.iter().enumerate() {
-            let Motion { displacement, velocity, acceleration } =
-                self.watch.at(&sensor.probe, self.firsts[number]);
-            let all = [displacement, velocity, acceleration];
-            for (motion, values) in all.iter().enumerate() {
-                let asked = sensor.quantities.contains(&MOTIONS[motion]);
-                for (slot, &axis) in axes.iter().enumerate() {
-                    finite &= values[axis].is_finite();
-                    self.row[(motion * axes.len() + slot) * count + number] =
-                        if asked { values[axis] } else { f64::NAN };
-                }
-            }
-            let mut variable = 3 * axes.len();
-            let kinds = [
-                (self.layout.strain, OutputQuantity::Strain, &self.tensors[number].strain),
-                (self.layout.stress, OutputQuantity::Stress, &self.tensors[number].stress),
-            ];
-            for (_, quantity, tensor) in kinds.into_iter().filter(|k| k.0) {
-                for component in tensor {
-                    let asked = sensor.quantities.contains(&quantity);
-                    self.row[variable * count + number] = if asked { *component } else { f64::NAN };
-                    variable += 1;
-                }
-            }
-        }
-        if let Some(writer) = &mut self.writer {
-            writer.append(time, &self.row)?;
-        }
-        self.rows += 1;
-        Ok(finite)
     }
 }
 

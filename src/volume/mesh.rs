@@ -1,12 +1,13 @@
 //! The mesh of a scene: a box of its layers, or the user's file.
 
-use super::sizes::layer;
+use super::sizes::{Points, layer};
 use crate::plan::PlanError;
 use hati_inputs::gmsh::{self, GeoRun, GmshMesh};
 use hati_inputs::scene::{Action, Auto, BoundaryKind, MaterialValues, Scene};
 use hati_sem::mesh::{
-    Boundary, BoxLayer, LayeredBox, Mesh, MeshReport, Resolution, Side, check, element_width, layer_heights,
+    Boundary, BoxLayer, LayeredBox, Mesh, MeshReport, Side, check, element_width, layer_heights,
 };
+use hati_sem::soil::Layer;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -138,15 +139,22 @@ pub struct BoxSizes {
 }
 
 /// Sizes of a box's elements; what the scene gives wins.
+///
+/// A material that needs fewer points than the most is sized as if its waves were faster by as much.
 pub fn box_sizes(
     scene: &Scene,
     materials: &[MaterialValues],
-    resolution: &Resolution,
+    points: &Points,
 ) -> Result<BoxSizes, PlanError> {
+    let resolution = &points.resolution;
     let thicknesses = scene.thicknesses();
     let domain = scene.domain.as_ref();
     let hill = domain.and_then(|d| d.heights.as_ref()).map_or(0.0, |h| h.range().1.max(0.0));
-    let mut layers: Vec<_> = materials.iter().zip(&thicknesses).map(|(m, t)| layer(m, *t)).collect();
+    let sized = |(m, thickness): (&MaterialValues, &f64)| {
+        let spared = resolution.points_per_wavelength / points.wanted(&m.name);
+        Layer { vs: m.vs * spared, ..layer(m, *thickness) }
+    };
+    let mut layers: Vec<_> = materials.iter().zip(&thicknesses).map(sized).collect();
     let width = match scene.discretisation.element_size {
         Auto::Value(size) => size,
         Auto::Auto => element_width(&layers, resolution)?,

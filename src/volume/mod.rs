@@ -9,10 +9,13 @@
 //! - [`run()`] takes the steps and writes; [`checkpoint`] lets it go on after any end.
 
 pub mod checkpoint;
+mod cost;
+mod error;
 mod explain;
 mod fields;
 mod files;
 pub mod mesh;
+mod picture;
 mod plan;
 mod report;
 pub mod rounding;
@@ -20,9 +23,13 @@ mod run;
 pub mod sampling;
 pub mod sizes;
 pub mod sources;
+mod stations;
 mod summary;
+pub mod symmetry;
 
-pub use files::VolumeError;
+pub use error::VolumeError;
 pub use mesh::MeshOptions;
-pub use plan::{Limiting, PlannedField, PlannedSensor, PlannedSurface, PlannedVolume, VolumePlan};
+pub use plan::{
+    Limiting, PlannedField, PlannedSensor, PlannedSource, PlannedSurface, PlannedVolume, Reached, VolumePlan,
+};
 pub use run::{Outcome, VolumeControl, run};

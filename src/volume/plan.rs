@@ -4,19 +4,33 @@ use super::explain::{Facts, Notes};
 use super::mesh::{self, BoxSizes, FileMesh, MeshOptions, PlannedBoundary};
 use super::rounding::{self, Rounding};
 use super::sampling::{Rows, Sampling, auto_rows, step_for};
-use super::sizes::{self, Frequencies};
+use super::sizes::{self, Frequencies, Points};
 use super::sources::{self, Signal};
+use super::symmetry;
 use crate::outputs::wave::{Cells, Grid};
 use crate::plan::{PlanError, Reason, STEP_MARGIN};
-use hati_inputs::scene::{Auto, BoundaryKind, MaterialValues, OutputQuantity, Precision, Resolved, Scene};
+use hati_inputs::scene::{
+    Auto, BoundaryKind, MaterialValues, MemoryVariables, OutputQuantity, Precision, Resolved, Scene,
+};
 use hati_sem::mesh::{Locator, Mesh, MeshReport, Resolution};
-use hati_sem::solid::{Execution, Ground, Material, Probe, Solid, Support};
+use hati_sem::solid::{Execution, Ground, Material, Memory, Probe, Solid, Support};
 use std::time::Duration;
 
 /// Wall time between checkpoints where the scene leaves it open.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(600);
 /// Relative tolerances of the critical step, tried in turn: a uniform mesh has a dense upper spectrum.
 const STEP_TOLERANCES: [f64; 3] = [5e-3, 2e-2, 6e-2];
+
+/// Points of the shear wave's length at `f_max` in a material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reached {
+    /// The material.
+    pub material: String,
+    /// Points that its largest element gives.
+    pub points: f64,
+    /// Points that the accuracy asks for.
+    pub wanted: f64,
+}
 
 /// The element that bounds the step.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +45,17 @@ pub struct Limiting {
     pub size: f64,
     /// Gmsh's tag, where a file gave the mesh.
     pub tag: Option<u64>,
+}
+
+/// A source with its place in the mesh.
+#[derive(Debug, Clone)]
+pub struct PlannedSource {
+    /// Name.
+    pub name: String,
+    /// Where it acts: a force, a moment, or the centre of a traction; `None` of a uniform traction.
+    pub position: Option<[f64; 3]>,
+    /// Longest edge of the element that holds a force or a moment, m.
+    pub element_size: Option<f64>,
 }
 
 /// A station with its place in the mesh.
@@ -106,10 +131,12 @@ pub struct VolumePlan {
     pub frequencies: Frequencies,
     /// Order and points per wavelength that were aimed at.
     pub resolution: Resolution,
-    /// Points of the shortest wavelength at `f_max` that each material reaches, in its largest element.
-    pub reached: Vec<(String, f64)>,
+    /// What each material reaches in its largest element.
+    pub reached: Vec<Reached>,
     /// Mechanisms of damping, and the relative error of the modulus.
     pub mechanisms: (usize, f64),
+    /// How memory variables are spread over the points.
+    pub memory_variables: MemoryVariables,
     /// Precision of the run.
     pub precision: Precision,
     /// What single precision would leave, and why this precision.
@@ -122,6 +149,8 @@ pub struct VolumePlan {
     pub sampling: Sampling,
     /// Elements whose metric is found in each way: affine, from corners, stored.
     pub metrics: [usize; 3],
+    /// Sources.
+    pub sources: Vec<PlannedSource>,
     /// Stations.
     pub sensors: Vec<PlannedSensor>,
     /// The top's peak maps and `surface.nc`.
@@ -164,25 +193,28 @@ impl VolumePlan {
         let file = mesh::read(scene, options)?;
         let values = scene.materials();
         let time = travel_time(scene, &values, file.as_ref().map(|f| &f.0));
-        let (resolution, points_why) = sizes::resolution(scene, &frequencies, time)?;
+        let highest = file.as_ref().map(|f| f.0.extent().1[2]);
+        let (points, points_why) = sizes::points(scene, &values, &signals, &frequencies, time, highest)?;
+        let resolution = points.resolution;
         let mut notes = Notes::default();
-        let made = Made::new(scene, file, &values, &resolution)?;
+        let made = Made::new(scene, file, &values, &points)?;
         let asked = scene.discretisation.mechanisms;
         let mechanisms = sizes::mechanisms(asked, scene.accuracy, &values, &frequencies, time)?;
         let report = mesh::checked(&made.mesh, resolution.order, made.file.as_ref())?;
         let materials = in_order(&values, &made.mesh);
         let mut ground = assemble(scene, made.mesh, &values, &resolution, &frequencies, mechanisms.0)?;
+        let memory_variables = spread(scene, &mut ground)?;
         let limiting = limiting(&ground, made.file.as_ref());
         let threads = if ground.numbering().nodes < PARALLEL_POINTS { 1 } else { threads };
         let asked = scene.discretisation.precision;
         let bound_in = asked.value().copied().unwrap_or(Precision::F32);
         let dt_critical = critical(&ground, bound_in, threads, &mut notes)?;
         let sampling = sampling(scene, dt_critical, &limiting, &frequencies, time)?;
-        let moves_y = load(scene, &mut ground, &signals, &sampling, &mut notes)?;
+        let (sources, moves_y) = load(scene, &mut ground, &signals, &sampling)?;
         let record_sha256 = signals.iter().filter_map(|s| Some(s.record.as_ref()?.sha256.clone())).collect();
         let mut plan = Self {
             dimension: scene.dimension(),
-            reached: reached(&ground, &materials, &resolution),
+            reached: reached(&ground, &materials, &points),
             report,
             boundaries: mesh::kinds(scene, ground.mesh()),
             file: made.file,
@@ -190,12 +222,14 @@ impl VolumePlan {
             frequencies,
             resolution,
             mechanisms,
+            memory_variables,
             precision: asked.value().copied().unwrap_or(Precision::F32),
             rounding: Rounding::choose(asked, 0.0, 1.0, true, scene.accuracy),
             dt_critical,
             limiting,
             sampling,
             metrics: [0; 3],
+            sources,
             sensors: sensors(scene, &ground, &mut notes)?,
             surface: super::fields::surface(scene, &ground, &frequencies, &sampling)?,
             volume: super::fields::volume(scene, &ground, &frequencies, &sampling)?,
@@ -212,7 +246,7 @@ impl VolumePlan {
         };
         plan.metrics = plan.count_metrics();
         plan.choose_precision(asked, &signals, time);
-        let facts = Facts { points_why, sizes: made.sizes, time };
+        let facts = Facts { points_why, points_alike: points.is_uniform(), sizes: made.sizes, time };
         plan.explain(scene, &facts, notes);
         Ok(plan)
     }
@@ -268,15 +302,16 @@ impl Made {
         scene: &Scene,
         file: Option<(Mesh, FileMesh)>,
         values: &[MaterialValues],
-        resolution: &Resolution,
+        points: &Points,
     ) -> Result<Self, PlanError> {
+        let resolution = &points.resolution;
         if let Some((mesh, file)) = file {
-            super::explain::expect_memory(mesh.len() as f64, mesh.dimension, resolution.order, false)?;
+            super::cost::expect_memory(mesh.len() as f64, mesh.dimension, resolution.order, false)?;
             return Ok(Self { mesh, file: Some(file), sizes: None });
         }
-        let sizes = mesh::box_sizes(scene, values, resolution)?;
+        let sizes = mesh::box_sizes(scene, values, points)?;
         let elements: f64 = sizes.counts.iter().map(|n| *n as f64).product();
-        super::explain::expect_memory(elements, scene.dimension(), resolution.order, true)?;
+        super::cost::expect_memory(elements, scene.dimension(), resolution.order, true)?;
         Ok(Self { mesh: sizes.mesh(scene)?, file: None, sizes: Some(sizes) })
     }
 }
@@ -333,6 +368,16 @@ fn assemble(
         ground.support(&name, support)?;
     }
     Ok(ground)
+}
+
+/// Spreads the memory variables as the scene says.
+fn spread(scene: &Scene, ground: &mut Ground) -> Result<MemoryVariables, PlanError> {
+    let asked = scene.discretisation.memory_variables.value().copied().unwrap_or(MemoryVariables::Full);
+    ground.set_memory(match asked {
+        MemoryVariables::Full => Memory::Full,
+        MemoryVariables::Coarse => Memory::Coarse,
+    })?;
+    Ok(asked)
 }
 
 fn limiting(ground: &Ground, file: Option<&FileMesh>) -> Limiting {
@@ -402,22 +447,25 @@ fn sampling(
     Ok(Sampling::new(dt, frequencies.content(), closest, duration))
 }
 
-/// Adds the sources; whether anything moves along y.
+/// Adds the sources; where they are, and whether anything moves along y.
 fn load(
     scene: &Scene,
     ground: &mut Ground,
     signals: &[Signal],
     sampling: &Sampling,
-    notes: &mut Notes,
-) -> Result<bool, PlanError> {
-    let planes = sources::planes(scene, ground.mesh())?;
-    let mut all = vec![];
+) -> Result<(Vec<PlannedSource>, bool), PlanError> {
+    let planes = symmetry::planes(scene, ground.mesh())?;
+    let (mut planned, mut all) = (vec![], vec![]);
     {
         let locator = Locator::new(ground.mesh());
         for signal in signals {
-            let (forces, warning) = sources::forces(ground, &locator, &planes, signal)?;
-            notes.warnings.extend(warning);
-            all.push(forces);
+            let placed = sources::place(ground, &locator, &planes, signal)?;
+            planned.push(PlannedSource {
+                name: signal.name.clone(),
+                position: placed.position,
+                element_size: placed.element.map(|e| longest_edge(ground.mesh(), e)),
+            });
+            all.push(placed.forces);
         }
     }
     let steps = sampling.steps() as usize;
@@ -425,7 +473,7 @@ fn load(
     for (forces, signal) in all.into_iter().zip(signals) {
         ground.add_load(forces, signal.amplitude(sampling.dt, steps));
     }
-    Ok(moves_y)
+    Ok((planned, moves_y))
 }
 
 fn sensors(scene: &Scene, ground: &Ground, notes: &mut Notes) -> Result<Vec<PlannedSensor>, PlanError> {
@@ -456,16 +504,19 @@ fn sensors(scene: &Scene, ground: &Ground, notes: &mut Notes) -> Result<Vec<Plan
 }
 
 /// Points of a shear wave's length at `f_max` in the largest element of each material.
-fn reached(ground: &Ground, materials: &[MaterialValues], resolution: &Resolution) -> Vec<(String, f64)> {
+fn reached(ground: &Ground, materials: &[MaterialValues], points: &Points) -> Vec<Reached> {
     let mesh = ground.mesh();
     let mut largest = vec![0.0_f64; materials.len()];
     for element in 0..mesh.len() {
         let slot = &mut largest[mesh.material[element] as usize];
         *slot = slot.max(longest_edge(mesh, element));
     }
-    (materials.iter().zip(largest))
-        .map(|(m, size)| (m.name.clone(), resolution.points_in(size, m.vs)))
-        .collect()
+    let of = |(m, size): (&MaterialValues, f64)| Reached {
+        material: m.name.clone(),
+        points: points.resolution.points_in(size, m.vs),
+        wanted: points.wanted(&m.name),
+    };
+    materials.iter().zip(largest).map(of).collect()
 }
 
 /// Longest edge between corners, m.

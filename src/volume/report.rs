@@ -1,11 +1,13 @@
 //! `report.html` of a run in two or three dimensions, made from its files.
 
-use super::files::{MOTIONS, axes};
+use super::files::axes;
 use super::mesh::PlannedBoundary;
+use super::picture::picture;
 use super::plan::VolumePlan;
+use super::stations::MOTIONS;
 use crate::outputs::OutputError;
 use crate::report::wave::{KeyNumber, SurfaceMotion, WavePage, write_wave_report};
-use crate::results::{AXES, Trace};
+use crate::results::{AXES, LedgerRow, Trace};
 use hati_inputs::scene::{BoundaryKind, Scene};
 use netcdf::Extent;
 use serde_json::Value;
@@ -100,6 +102,32 @@ fn surface(plan: &VolumePlan, out: &Path) -> Result<Option<SurfaceMotion>, Outpu
     Ok(Some(SurfaceMotion { cells: planned.cells.clone(), time, speed, peaks }))
 }
 
+/// All rows of `ledger.nc`.
+fn ledger(out: &Path) -> Result<Vec<LedgerRow>, OutputError> {
+    let path = out.join("ledger.nc");
+    let file = netcdf::open(&path).map_err(failed(&path, "the ledger"))?;
+    let read = |name: &str| -> Result<Vec<f64>, OutputError> {
+        let Some(variable) = file.variable(name) else { return Ok(vec![]) };
+        variable.get_values(..).map_err(failed(&path, name))
+    };
+    let time = read("elapsed_time")?;
+    let mut columns = vec![];
+    for name in ["input", "kinetic", "strain", "viscous", "outflow", "residual"] {
+        columns.push(read(&format!("energy_{name}"))?);
+    }
+    let at = |line: usize, row: usize| columns[line].get(row).copied().unwrap_or(f64::NAN);
+    let row = |(row, &time): (usize, &f64)| LedgerRow {
+        time,
+        input: at(0, row),
+        kinetic: at(1, row),
+        strain: at(2, row),
+        viscous: at(3, row),
+        outflow: at(4, row),
+        residual: at(5, row),
+    };
+    Ok(time.iter().enumerate().map(row).collect())
+}
+
 /// Writes `report.html` and `figures/`.
 pub(super) fn report(
     scene: &Scene,
@@ -113,6 +141,9 @@ pub(super) fn report(
         subtitle: subtitle(plan, summary),
         warnings: plan.warnings.clone(),
         numbers: numbers(plan, summary),
+        mesh: picture(plan),
+        ledger: ledger(out)?,
+        is_section: plan.dimension == 2,
         surface: surface(plan, out)?,
         traces: traces.to_vec(),
         dt: plan.sampling.sample_dt(),
@@ -138,12 +169,8 @@ fn numbers(plan: &VolumePlan, summary: &Value) -> Vec<KeyNumber> {
     let number = |path: &str| summary.pointer(path).and_then(Value::as_f64).unwrap_or(f64::NAN);
     let card = |label: &str, value: String, note: String| KeyNumber { label: label.into(), value, note };
     let share = |path: &str| 100.0 * number(path) / number("/energy/input");
-    let (name, points) = plan
-        .reached
-        .iter()
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .cloned()
-        .unwrap_or_else(|| (String::new(), f64::NAN));
+    let coarsest = plan.reached.iter().min_by(|a, b| (a.points / a.wanted).total_cmp(&(b.points / b.wanted)));
+    let (name, points) = coarsest.map_or((String::new(), f64::NAN), |r| (r.material.clone(), r.points));
     let unit = summary["energy"]["unit"].as_str().unwrap_or_default();
     vec![
         card(

@@ -1,7 +1,8 @@
 //! The time loop of a run in two or three dimensions.
 
 use super::checkpoint::{self, Head};
-use super::files::{Streams, VolumeError};
+use super::error::VolumeError;
+use super::files::Streams;
 use super::plan::VolumePlan;
 use super::{report, summary};
 use crate::outputs::{OutputError, Provenance, write_progress, write_summary};
@@ -15,8 +16,12 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Steps between rows of the ledger at least: one costs about a step.
+/// Steps between rows of the ledger, where it gets its hundred rows: one costs about a step.
 const LEDGER_STEPS: usize = 64;
+/// Steps between rows of a short run's ledger at least.
+const LEDGER_STEPS_LEAST: usize = 20;
+/// Rows below which the ledger's figure would have corners.
+const LEDGER_ROWS: usize = 100;
 /// Wall time between progress reports, and between syncs.
 const TELL: Duration = Duration::from_millis(500);
 const SYNC: Duration = Duration::from_secs(4);
@@ -250,7 +255,8 @@ impl Loop<'_, '_> {
         progress: &mut Progress,
     ) -> Result<bool, VolumeError> {
         let sampling = self.plan.sampling;
-        let ledger_every = LEDGER_STEPS.div_ceil(sampling.stride);
+        let apart = (sampling.steps() as usize / LEDGER_ROWS).clamp(LEDGER_STEPS_LEAST, LEDGER_STEPS);
+        let ledger_every = apart.div_ceil(sampling.stride);
         let (mut told, mut synced, mut kept) = (Instant::now(), Instant::now(), Instant::now());
         while progress.sample < sampling.samples {
             let overdue = self.control.max_wall_time.is_some_and(|t| self.wall.elapsed() > t);

@@ -1,11 +1,12 @@
 //! Sources: what they push, and their time functions at the kicks.
 
+use super::symmetry::{self, Plane};
 use crate::plan::PlanError;
 use hati_inputs::motion::{Quantity, resample_as};
 use hati_inputs::records::{self, Channel, ReadOptions};
-use hati_inputs::scene::{Action, BoundaryKind, Place, Pulse, PulseKind, Scene, SourceTerm, TimeFunction};
+use hati_inputs::scene::{Action, Place, Pulse, PulseKind, Scene, SourceTerm, TimeFunction};
 use hati_sem::SemError;
-use hati_sem::mesh::{Locator, Mesh};
+use hati_sem::mesh::Locator;
 use hati_sem::solid::Ground;
 
 /// Points and forces per unit amplitude.
@@ -116,68 +117,6 @@ fn cubic(x: &[f64], i: usize, s: f64) -> f64 {
     b + 0.5 * s * (c - a + s * (2.0 * a - 5.0 * b + 4.0 * c - d + s * (3.0 * (b - c) + d - a)))
 }
 
-/// A plane of symmetry: a point of it and its normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plane {
-    point: [f64; 3],
-    normal: [f64; 3],
-}
-
-/// Largest angle between normals of one plane, rad: meshers leave some 1e-9.
-const FLAT: f64 = 1e-5;
-
-/// The planes of symmetry of a mesh, each once. Error: a boundary that is bent.
-pub fn planes(scene: &Scene, mesh: &Mesh) -> Result<Vec<Plane>, PlanError> {
-    let mut planes: Vec<Plane> = vec![];
-    let size = mesh.extent();
-    let length = (0..3).map(|i| size.1[i] - size.0[i]).fold(0.0, f64::max);
-    for boundary in &mesh.boundaries {
-        if scene.boundary_kind(&boundary.name) != BoundaryKind::Symmetry {
-            continue;
-        }
-        let mut own: Option<Plane> = None;
-        for &side in &boundary.sides {
-            let local = mesh.side_local(side, [0.0; 2]);
-            let plane = Plane {
-                point: mesh.position(side.element as usize, local),
-                normal: unit(mesh.side_normal(side, local)),
-            };
-            let first = *own.get_or_insert(plane);
-            let sine = norm(cross(first.normal, plane.normal));
-            if sine > FLAT || first.distance(plane.point) > 1e-6 * length {
-                let angle = sine.min(1.0).asin().to_degrees();
-                return Err(PlanError::BentSymmetry { boundary: boundary.name.clone(), angle });
-            }
-        }
-        let known = |p: &Plane| {
-            planes
-                .iter()
-                .any(|q| norm(cross(p.normal, q.normal)) <= FLAT && q.distance(p.point) <= 1e-6 * length)
-        };
-        planes.extend(own.filter(|p| !known(p)));
-    }
-    Ok(planes)
-}
-
-impl Plane {
-    fn distance(&self, x: [f64; 3]) -> f64 {
-        (0..3).map(|i| self.normal[i] * (x[i] - self.point[i])).sum::<f64>().abs()
-    }
-}
-
-/// Share of a point source that the model carries: a half for every plane of symmetry through it. And what of a force
-/// across such a plane has no effect, as a share of the force.
-fn share(planes: &[Plane], at: [f64; 3], size: f64, force: [f64; 3]) -> (f64, f64) {
-    let through = planes.iter().filter(|p| p.distance(at) <= 1e-6 * size);
-    let (mut part, mut across) = (1.0, 0.0_f64);
-    for plane in through {
-        part *= 0.5;
-        let along: f64 = (0..3).map(|i| plane.normal[i] * force[i]).sum();
-        across = across.max(along.abs() / norm(force).max(f64::MIN_POSITIVE));
-    }
-    (part, across)
-}
-
 /// Coordinates of a place; a depth counts from the boundary `top`.
 pub fn position(locator: &Locator<'_>, place: &Place) -> Result<[f64; 3], SemError> {
     match *place {
@@ -189,34 +128,45 @@ pub fn position(locator: &Locator<'_>, place: &Place) -> Result<[f64; 3], SemErr
     }
 }
 
-/// Forces of a source per unit of its time function, and a warning where part of it does nothing.
-pub fn forces(
+/// A source as it acts on the points of the ground.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    /// Points and forces per unit of its time function.
+    pub forces: Forces,
+    /// Where it acts, m: of a force, a moment or the centre of a patch.
+    pub position: Option<[f64; 3]>,
+    /// The element that holds a force or a moment.
+    pub element: Option<usize>,
+}
+
+/// Puts a source on the ground. Error: a place outside; what a plane of symmetry through it turns round.
+pub fn place(
     ground: &Ground,
     locator: &Locator<'_>,
     planes: &[Plane],
     signal: &Signal,
-) -> Result<(Forces, Option<String>), PlanError> {
-    let placed =
-        |source| PlanError::Place { what: format!("source `{}`", signal.name), source: Box::new(source) };
-    let mut warning = None;
-    let dimension = ground.mesh().dimension;
+) -> Result<Placed, PlanError> {
+    let name = signal.name.as_str();
+    let placed = |source| PlanError::Place { what: format!("source `{name}`"), source: Box::new(source) };
+    let mesh = ground.mesh();
+    let (mut position, mut element) = (None, None);
+    let mut stand = |at: &Place| -> Result<_, PlanError> {
+        let at = self::position(locator, at).map_err(placed)?;
+        let probe = ground.probe(locator, at).map_err(placed)?;
+        let size = mesh.size(probe.element);
+        (position, element) = (Some(probe.position), Some(probe.element));
+        let through: Vec<&Plane> = planes.iter().filter(|p| p.holds(probe.position, size)).collect();
+        Ok((at, symmetry::share(planes, probe.position, size), through))
+    };
     let forces = match &signal.action {
         Action::Force { at, force } => {
-            let at = position(locator, at).map_err(placed)?;
-            let probe = ground.probe(locator, at).map_err(placed)?;
-            let (part, across) = share(planes, probe.position, ground.mesh().size(probe.element), *force);
-            if across > 1e-6 {
-                warning = Some(format!(
-                    "source `{}`: its force across the plane of symmetry that it stands on has no effect",
-                    signal.name
-                ));
-            }
+            let (at, part, through) = stand(at)?;
+            through.iter().try_for_each(|p| p.expect_along(name, *force))?;
             ground.point_force(locator, at, force.map(|f| part * f)).map_err(placed)?
         }
         Action::Moment { at, moment, .. } => {
-            let at = position(locator, at).map_err(placed)?;
-            let probe = ground.probe(locator, at).map_err(placed)?;
-            let (part, _) = share(planes, probe.position, ground.mesh().size(probe.element), [0.0; 3]);
+            let (at, part, through) = stand(at)?;
+            through.iter().try_for_each(|p| p.expect_mirrored(name, *moment))?;
             let [xx, yy, zz, xy, xz, yz] = moment.map(|m| part * m);
             ground.moment(locator, at, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).map_err(placed)?
         }
@@ -224,33 +174,37 @@ pub fn forces(
             ground.traction(boundary, |_| *traction).map_err(placed)?
         }
         Action::Patch { boundary, centre, horizontal, sigma, force } => {
-            let area = match dimension {
-                2 => (2.0 * std::f64::consts::PI).sqrt() * sigma,
-                _ => 2.0 * std::f64::consts::PI * sigma * sigma,
-            };
-            let of = |x: [f64; 3]| {
-                let counts = |i: usize| (i != 2 || !horizontal) && (i != 1 || dimension == 3);
-                let r2: f64 = (0..3).filter(|&i| counts(i)).map(|i| (x[i] - centre[i]).powi(2)).sum();
-                let factor = (-0.5 * r2 / (sigma * sigma)).exp() / area;
-                force.map(|f| factor * f)
-            };
+            position = Some(*centre);
+            // a patch that spreads over a plane is cut there as a point source is
+            planes
+                .iter()
+                .filter(|p| p.holds(*centre, *sigma))
+                .try_for_each(|p| p.expect_along(name, *force))?;
+            let of = patch(mesh.dimension, *centre, *horizontal, *sigma, *force);
             ground.traction(boundary, of).map_err(placed)?
         }
     };
-    Ok((forces, warning))
+    Ok(Placed { forces, position, element })
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    a.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    a.map(|x| x / length)
+/// Traction of a patch at a place, Pa.
+fn patch(
+    dimension: usize,
+    centre: [f64; 3],
+    horizontal: bool,
+    sigma: f64,
+    force: [f64; 3],
+) -> impl Fn([f64; 3]) -> [f64; 3] {
+    let area = match dimension {
+        2 => (2.0 * std::f64::consts::PI).sqrt() * sigma,
+        _ => 2.0 * std::f64::consts::PI * sigma * sigma,
+    };
+    move |x| {
+        let counts = |i: usize| (i != 2 || !horizontal) && (i != 1 || dimension == 3);
+        let r2: f64 = (0..3).filter(|&i| counts(i)).map(|i| (x[i] - centre[i]).powi(2)).sum();
+        let factor = (-0.5 * r2 / (sigma * sigma)).exp() / area;
+        force.map(|f| factor * f)
+    }
 }
 
 #[cfg(test)]

@@ -24,3 +24,6 @@ mod run;
 mod scenes;
 mod verbs;
 mod volume;
+mod volume_accuracy;
+mod volume_disk;
+mod volume_input;

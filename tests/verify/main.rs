@@ -39,7 +39,9 @@ fn the_accuracy_case_notices() {
 
 #[test]
 fn cases_of_the_solid_notice() {
-    ["manufactured", "dispersion", "attenuation", "solid-step-bound"].into_iter().for_each(notices);
+    ["manufactured", "dispersion", "attenuation", "attenuation-coarse", "solid-step-bound"]
+        .into_iter()
+        .for_each(notices);
 }
 
 #[test]
@@ -68,6 +70,7 @@ fn every_short_case_stands_in_one_of_these_tests() {
         "manufactured",
         "dispersion",
         "attenuation",
+        "attenuation-coarse",
         "solid-step-bound",
         "lamb",
         "lamb-fine",

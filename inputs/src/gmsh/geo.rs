@@ -6,6 +6,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::error::InputError;
+use crate::python::find_python;
 
 /// Gmsh as its wheel offers it, without the options that a user's home may hold: the same file gives the
 /// same mesh.
@@ -164,22 +165,9 @@ fn permitted(run: &GeoRun<'_>) -> Result<PathBuf, InputError> {
     Ok(geo)
 }
 
-/// The Python to start, sought where that for records is: HATI_PYTHON; `.venv` in the current folder, beside
-/// this program or above them; else the one on the PATH.
+/// The Python given, or the one that reads records.
 fn interpreter(python: Option<&Path>) -> PathBuf {
-    if let Some(python) = python {
-        return python.to_path_buf();
-    }
-    if let Some(python) = std::env::var_os("HATI_PYTHON").filter(|value| !value.is_empty()) {
-        return python.into();
-    }
-    let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
-    let mut candidates = starts.iter().flatten().flat_map(|start| start.ancestors());
-    let found = candidates.find_map(|folder| {
-        let python = folder.join(".venv/bin/python");
-        python.exists().then_some(python)
-    });
-    found.unwrap_or_else(|| "python3".into())
+    python.map_or_else(|| find_python().0, Path::to_path_buf)
 }
 
 /// A call of Gmsh by a Python that has its wheel.

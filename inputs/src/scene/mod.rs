@@ -44,8 +44,8 @@ pub use types::{
 };
 pub use values::{HalfSpace, LayerValues, Station, nu_from_speeds, vp_from_nu};
 pub use volume::{
-    BoundaryKind, Checkpoint, Domain, FieldOutput, Material, OutputQuantity, Precision, Run, SourceEntry,
-    SourceKind, SurfaceOutput, VolumeOutput,
+    BoundaryKind, Checkpoint, Domain, FieldOutput, Material, MemoryVariables, OutputQuantity, Precision, Run,
+    SourceEntry, SourceKind, SurfaceOutput, VolumeOutput,
 };
 pub use volume_values::{Action, MaterialValues, Place, Sensor, SourceTerm, TimeFunction};
 pub use wavelet::{Wavelet, WaveletKind};

@@ -8,8 +8,8 @@ use crate::records::{ResponseMode, Unit};
 
 use super::load::Source;
 use super::volume::{
-    Checkpoint, Domain, FieldOutput, Material, OutputQuantity, POINTS_TO, Precision, RHO_FROM, RHO_TO, Run,
-    SIZE_FROM, SourceEntry, SurfaceOutput, VolumeOutput,
+    Checkpoint, Domain, FieldOutput, Material, MemoryVariables, OutputQuantity, POINTS_TO, Precision,
+    RHO_FROM, RHO_TO, Run, SIZE_FROM, SourceEntry, SurfaceOutput, VolumeOutput,
 };
 use super::wavelet::Wavelet;
 
@@ -382,6 +382,10 @@ pub struct Discretisation {
     #[serde(default)]
     #[schemars(extend("minimum" = 1, "maximum" = 12, "x-unit" = "1"))]
     pub mechanisms: Auto<usize>,
+    /// How the mechanisms' memory variables are spread over the points of an element, `"full"` (every mechanism at every point)
+    /// or `"coarse"` (one at a point); `"auto"` is `"full"`. With `domain` only.
+    #[serde(default)]
+    pub memory_variables: Auto<MemoryVariables>,
     /// Time of free vibration to compute after the record's end; for a column only.
     #[serde(default)]
     #[schemars(extend("minimum" = 0.0, "maximum" = TAIL_TO, "x-unit" = "s"))]

@@ -223,6 +223,17 @@ pub enum Precision {
     F64,
 }
 
+/// How the damping's memory variables are spread over the points of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MemoryVariables {
+    /// Every mechanism at every point.
+    Full,
+    /// One mechanism at a point, the mechanisms in turn: faster, with fewer numbers to keep, for a small error of the
+    /// damping that the plan bounds.
+    Coarse,
+}
+
 /// What is written at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -8,7 +8,8 @@ use super::pulse::{Pulse, PulseKind};
 use super::types::{Base, Layer, Scene};
 use super::values::{Words, speeds};
 use super::volume::{
-    BoundaryKind, Domain, Material, OutputQuantity, Precision, SourceEntry, SourceKind, amplitude_of, top,
+    BoundaryKind, Domain, Material, MemoryVariables, OutputQuantity, Precision, SourceEntry, SourceKind,
+    amplitude_of, top,
 };
 
 impl Words for BoundaryKind {
@@ -38,6 +39,10 @@ impl Words for Precision {
     const WORDS: &'static [(&'static str, Self)] = &[("f32", Self::F32), ("f64", Self::F64)];
 }
 
+impl Words for MemoryVariables {
+    const WORDS: &'static [(&'static str, Self)] = &[("full", Self::Full), ("coarse", Self::Coarse)];
+}
+
 impl Words for OutputQuantity {
     const WORDS: &'static [(&'static str, Self)] = &[
         ("displacement", Self::Displacement),
@@ -55,6 +60,13 @@ fn word<T: Words + PartialEq>(value: T) -> &'static str {
 
 impl BoundaryKind {
     /// The word of the scene file, for instance `absorbing`.
+    pub fn as_str(self) -> &'static str {
+        word(self)
+    }
+}
+
+impl MemoryVariables {
+    /// The word of the scene file, for instance `coarse`.
     pub fn as_str(self) -> &'static str {
         word(self)
     }

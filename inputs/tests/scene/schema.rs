@@ -202,6 +202,7 @@ fn the_reference_page_names_every_key_with_its_unit() {
         "## `[source.wavelet]`",
         "## `[run]`",
         "## `[output.checkpoint]`",
+        "| `memory_variables` | `\"auto\"` or `\"full\"` or `\"coarse\"` | `\"auto\"` |",
         "| `precision` | `\"auto\"` or `\"f32\"` or `\"f64\"` | `\"auto\"` |",
         "`\"rigid\"`: A rigid base that follows the motion",
     ] {

@@ -3,7 +3,8 @@
 use std::fs;
 
 use hati_inputs::scene::{
-    self, Action, Auto, BoundaryKind, OutputQuantity, Place, Precision, Pulse, PulseKind, Scene, TimeFunction,
+    self, Action, Auto, BoundaryKind, MemoryVariables, OutputQuantity, Place, Precision, Pulse, PulseKind,
+    Scene, TimeFunction,
 };
 
 use super::validator::violations;
@@ -80,6 +81,7 @@ f_max = 15.0
 precision = "f64"
 dt = 1e-4
 mechanisms = 3
+memory_variables = "coarse"
 
 [run]
 duration = 2.5
@@ -169,6 +171,7 @@ fn a_box_is_read_as_it_is_written() {
     assert!((materials[2].vp - 800.0 * 3f64.sqrt()).abs() < 1e-9);
     let d = &scene.discretisation;
     assert_eq!((d.precision, d.f_max), (Auto::Value(Precision::F64), Auto::Value(15.0)));
+    assert_eq!(d.memory_variables, Auto::Value(MemoryVariables::Coarse));
     assert_eq!(scene.run.map(|r| r.duration), Some(2.5));
     let sensors = scene.sensors();
     assert_eq!(sensors[0].at, Place::Point([10.0, 0.0, 0.0]));

@@ -311,6 +311,13 @@ fn sizes_and_outputs() {
                 &["discretisation.precision: expected \"auto\", \"f32\" or \"f64\", found \"f16\""],
             ),
             ("\"f64\"", "64", &["discretisation.precision: expected \"auto\", \"f32\" or \"f64\""]),
+            (
+                "\"coarse\"",
+                "\"corse\"",
+                &[
+                    "discretisation.memory_variables: expected \"auto\", \"full\" or \"coarse\", found \"corse\"",
+                ],
+            ),
             ("mechanisms = 3", "tail = 3", &["discretisation.tail: belongs to a column"]),
             (
                 "quantities = [\"velocity\", \"displacement\"]",
@@ -506,6 +513,11 @@ fn a_column_has_no_volumes_keys() {
             "order = 6",
             "order = 6\nprecision = \"f64\"",
             &["discretisation.precision: belongs to a scene with [domain]"],
+        ),
+        (
+            "order = 6",
+            "order = 6\nmemory_variables = \"coarse\"",
+            &["discretisation.memory_variables: belongs to a scene with [domain]"],
         ),
         (
             "depth = 12.5",

@@ -1,9 +1,8 @@
 //! One block's part of a step: gather, internal force, scatter, and the step of its inner points.
 
 use super::geometry::MetricLanes;
-use super::kernel::{
-    ARM_NUMBERS, ArmLanes, Arms, Basis, BatchBooks, Cube, Work, internal_force, splat_matrix,
-};
+use super::kernel::{Basis, BatchBooks, Cube, Work, internal_force, splat_matrix};
+use super::laws::laws;
 use super::layout::Block;
 use super::model::Model;
 use super::portable::Element;
@@ -187,24 +186,17 @@ fn forces<T: Real, S: Simd, const P: usize, const K: usize, const MEMORY: bool>(
         let first = block.metric_start + index * per_batch;
         let values = cast_slice(&model.metric[first..first + per_batch]);
         let metric = MetricLanes { kind: block.metric, values };
-        let own_lanes = batch * lanes..(batch + 1) * lanes;
-        let moduli = if pass == Pass::UnrelaxedForce { &model.unrelaxed } else { &model.moduli };
-        let lambda = cast_slice::<T, T::Vector<S>>(&moduli.lambda[own_lanes.clone()])[0];
-        let mu = cast_slice::<T, T::Vector<S>>(&moduli.mu[own_lanes])[0];
-        let size = model.dashpots_per_batch();
-        let mut arms = Arms {
-            coefficients: arm_lanes::<T, S>(model, batch),
-            dashpot: cast_slice_mut(&mut own.dashpots[index * size..(index + 1) * size]),
-        };
+        let laws = laws::<T, S>(model, pass, batch);
+        let size = if laws.arms.is_empty() { 0 } else { model.dashpots_per_batch() };
+        let dashpots = cast_slice_mut(&mut own.dashpots[index * size..(index + 1) * size]);
         internal_force::<T, S, P, K, MEMORY>(
             simd,
             basis,
             d,
             work,
             &metric,
-            lambda,
-            mu,
-            &mut arms,
+            &laws,
+            dashpots,
             pass != Pass::Energies,
             model.dt,
             &mut books,
@@ -263,12 +255,6 @@ fn sum_of_lanes<T: Real, S: Simd>(vector: T::Vector<S>) -> f64 {
     lanes.iter().map(|x| x.f64()).sum()
 }
 
-#[inline(always)]
-fn arm_lanes<T: Real, S: Simd>(model: &Model<T>, batch: usize) -> &[ArmLanes<T::Vector<S>>] {
-    let size = model.arms * ARM_NUMBERS * T::lanes::<S>();
-    cast_slice(&model.arm_lanes[batch * size..(batch + 1) * size])
-}
-
 /// Ends the pass for inner points and leaves the sums of shared ones.
 #[inline(always)]
 pub(super) fn finish<T: Real>(
@@ -287,7 +273,7 @@ pub(super) fn finish<T: Real>(
             Pass::Step => {
                 for (((x, v), f), m) in x.iter_mut().zip(v).zip(f).zip(dt_over_mass) {
                     *v = kick(*v, T::default() - *f, *m);
-                    *x = drift(*x, *v, model.dt);
+                    *x = drift(*x, *v, model.dt).settle();
                 }
             }
             Pass::UnrelaxedForce => v.copy_from_slice(&f[..inner]),

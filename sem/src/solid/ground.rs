@@ -2,6 +2,7 @@
 
 use super::geometry::point;
 use super::material::Material;
+use super::memory::{Distribution, Memory, PointLaw};
 use crate::SemError;
 use crate::gll::Gll;
 use crate::mesh::{Locator, Mesh, Side, determinant, inverse};
@@ -64,6 +65,7 @@ pub struct Ground {
     gll: Gll,
     numbering: Numbering,
     materials: Vec<Material>,
+    pub(super) distribution: Distribution,
     mass: Vec<f64>,
     pub(super) held: BTreeMap<u32, Held>,
     pub(super) loads: Vec<Load>,
@@ -95,7 +97,31 @@ impl Ground {
             }
         }
         let (held, loads, interfaces) = (BTreeMap::new(), vec![], vec![]);
-        Ok(Self { mesh, gll, numbering, materials, mass, held, loads, interfaces })
+        let distribution = Distribution::full(&materials, numbering.points);
+        Ok(Self { mesh, gll, numbering, materials, distribution, mass, held, loads, interfaces })
+    }
+
+    /// Spreads the memory variables over the points; [`Memory::Full`] unless this is called.
+    ///
+    /// Errors: of [`Memory::Coarse`], an order of too few points for the mechanisms, and a damping so strong that
+    /// points would lose their relaxed stiffness.
+    pub fn set_memory(&mut self, memory: Memory) -> Result<(), SemError> {
+        self.distribution = match memory {
+            Memory::Full => Distribution::full(&self.materials, self.numbering.points),
+            Memory::Coarse => Distribution::coarse(&self.materials, &self.gll, self.mesh.dimension)?,
+        };
+        Ok(())
+    }
+
+    /// How the memory variables are spread.
+    pub fn memory(&self) -> Memory {
+        self.distribution.memory
+    }
+
+    /// Law of a local point of an element.
+    pub fn law(&self, element: usize, point: usize) -> &PointLaw {
+        let class = usize::from(self.distribution.class[point]);
+        &self.distribution.laws[self.mesh.material[element] as usize][class]
     }
 
     /// The mesh.
@@ -342,7 +368,8 @@ impl Ground {
     }
 
     /// Estimate of an element's highest frequency, rad/s, up to a factor common to all elements of an
-    /// order: $v_p^\infty\max_p(\sum_a|\nabla\xi_a|^2)^{1/2}$.
+    /// order: $v_p^\infty\max_p(\sum_a|\nabla\xi_a|^2)^{1/2}$, with the unrelaxed
+    /// speed of its stiffest point.
     pub fn rate(&self, element: usize) -> f64 {
         let d = self.mesh.dimension;
         let axes = crate::mesh::axes(d);
@@ -352,7 +379,12 @@ impl Ground {
                 axes.iter().map(|a| norm(inverse[*a]).powi(2)).sum::<f64>()
             })
             .fold(0.0, f64::max);
-        self.material(element).vp_unrelaxed() * steep.sqrt()
+        let material = self.mesh.material[element] as usize;
+        let stiffest = self.distribution.laws[material].iter().map(|law| {
+            let (lambda, mu) = law.unrelaxed();
+            lambda + 2.0 * mu
+        });
+        (stiffest.fold(0.0, f64::max) / self.materials[material].rho * steep).sqrt()
     }
 
     /// The element whose size and speed bound the step.

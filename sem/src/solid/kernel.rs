@@ -17,6 +17,7 @@
 //! of the column, in a form that needs no strain of the step before.
 
 use super::geometry::{Metric, MetricLanes};
+use super::laws::{ArmLanes, Laws};
 use super::real::Real;
 use crate::prefetch::prefetch;
 use pulp::Simd;
@@ -66,22 +67,6 @@ pub(super) struct Basis<T, const P: usize> {
     /// Weights.
     pub weights: [T; P],
 }
-
-/// Memory variables of a batch.
-pub(super) struct Arms<'a, V> {
-    /// Its arms.
-    pub coefficients: &'a [ArmLanes<V>],
-    /// Strains of the dashpots, `[point][arm][component]`.
-    pub dashpot: &'a mut [V],
-}
-
-/// One arm of a batch's materials, a lane an element: $g = 1/(1+x)$; $2x$; $\lambda_l$ and $\mu_l$, Pa; and
-/// $1 + 1/d$ and $g/d$ with $d = (1-x)/(1+x)$, which take the arm's strain back to the kick before:
-/// $e + e^- = (1 + 1/d)\,e - (g/d)\,\Delta\varepsilon$.
-pub(super) type ArmLanes<V> = [V; ARM_NUMBERS];
-
-/// Numbers of an arm.
-pub(super) const ARM_NUMBERS: usize = 6;
 
 /// Number of strain components that are not zero: all six, or all but $\varepsilon_{yy}$ of a section.
 pub(super) const fn strain_components(planes: usize) -> usize {
@@ -245,9 +230,9 @@ pub(super) struct BatchBooks<V> {
 
 /// Internal force of a batch, `work.u` to `work.f`.
 ///
-/// - `lambda`, `mu`: relaxed moduli, Pa, a lane an element;
-/// - `arms`: memory variables. They need `work.v`, the velocity that led from the kick before to this one,
-///   for the energy that goes into `books`;
+/// - `laws`: moduli and arms; without `MEMORY` those of the first class hold at every point;
+/// - `dashpots`: strains of the arms' dashpots, `[point][arm][component]`. They need `work.v`, the velocity that led from
+///   the kick before to this one, for the energy that goes into `books`;
 /// - `advance`: whether the arms take the step; without it their stored energy is booked instead.
 ///
 /// Cost per point: 2 × 3 × D × P multiply–adds for derivatives, some 80 for the rest; with memory half as
@@ -259,9 +244,8 @@ pub(super) fn internal_force<T: Real, S: Simd, const P: usize, const K: usize, c
     d: &[[T::Vector<S>; P]; P],
     work: &mut Work<T::Vector<S>, P, K>,
     metric: &MetricLanes<'_, T::Vector<S>>,
-    lambda: T::Vector<S>,
-    mu: T::Vector<S>,
-    arms: &mut Arms<'_, T::Vector<S>>,
+    laws: &Laws<'_, T::Vector<S>>,
+    dashpots: &mut [T::Vector<S>],
     advance: bool,
     dt: T,
     books: &mut BatchBooks<T::Vector<S>>,
@@ -272,7 +256,8 @@ pub(super) fn internal_force<T: Real, S: Simd, const P: usize, const K: usize, c
         work.f[c] = [[[zero; P]; P]; K];
     }
     let components = strain_components(K);
-    let stride = arms.coefficients.len() * components;
+    let stride = laws.arms_per_point * components;
+    let (mut lambda, mut mu) = (laws.lambda[0], laws.mu[0]);
     let (axes, dt) = (axis_count(K), ops.splat(dt));
     for k in 0..K {
         let source = fill_plane::<T, S, P, K>(simd, basis, metric, k, &mut work.metric, &mut work.weight);
@@ -287,7 +272,7 @@ pub(super) fn internal_force<T: Real, S: Simd, const P: usize, const K: usize, c
             }
             if MEMORY {
                 let next = (k * P + j + 1) * P * stride;
-                prefetch(arms.dashpot, next, next + P * stride);
+                prefetch(dashpots, next, next + P * stride);
             }
             for i in 0..P {
                 let b = match source {
@@ -296,6 +281,12 @@ pub(super) fn internal_force<T: Real, S: Simd, const P: usize, const K: usize, c
                 };
                 let weight = work.weight[j][i];
                 let e = strain::<T, S, P, K>(ops, b, &g, i);
+                let point = (k * P + j) * P + i;
+                let mut class = 0;
+                if MEMORY {
+                    class = usize::from(laws.class[point]);
+                    (lambda, mu) = (laws.lambda[class], laws.mu[class]);
+                }
                 let mut s = stress::<T, S>(ops, lambda, mu, &e);
                 if MEMORY {
                     let mut increment = strain::<T, S, P, K>(ops, b, &rates, i);
@@ -310,10 +301,9 @@ pub(super) fn internal_force<T: Real, S: Simd, const P: usize, const K: usize, c
                         }
                         point_books.strain = work_of::<T, S>(ops, &s, &last);
                     }
-                    let point = (k * P + j) * P + i;
-                    let dashpots = &mut arms.dashpot[point * stride..(point + 1) * stride];
-                    for (arm, dashpot) in arms.coefficients.iter().zip(dashpots.chunks_exact_mut(components))
-                    {
+                    let own = &laws.arms[class * laws.arms_per_point..(class + 1) * laws.arms_per_point];
+                    let kept = &mut dashpots[point * stride..(point + 1) * stride];
+                    for (arm, dashpot) in own.iter().zip(kept.chunks_exact_mut(components)) {
                         step_arm::<T, S, K>(
                             ops,
                             arm,

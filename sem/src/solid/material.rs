@@ -24,13 +24,15 @@ pub struct Material {
     pub shear: MaxwellArms,
     /// Law of the constrained modulus; the same frequencies as `shear`.
     pub constrained: MaxwellArms,
+    /// Band over which the laws are fitted, Hz; of no meaning where there are no arms.
+    pub band: (f64, f64),
 }
 
 impl Material {
     /// An elastic material.
     pub fn elastic(name: &str, rho: f64, vp: f64, vs: f64) -> Self {
         let (shear, constrained) = (MaxwellArms::elastic(), MaxwellArms::elastic());
-        Self { name: name.into(), rho, vp, vs, shear, constrained }
+        Self { name: name.into(), rho, vp, vs, shear, constrained, band: (0.0, 0.0) }
     }
 
     /// The material of a layer, its damping fitted over `band` (Hz) with `mechanisms` arms.
@@ -55,14 +57,21 @@ impl Material {
             let constrained = fit(dp)?;
             (at(ds, &constrained.omega)?, constrained)
         };
-        let material =
-            Self { name: layer.name.clone(), rho: layer.rho, vp: layer.vp, vs: layer.vs, shear, constrained };
+        let material = Self {
+            name: layer.name.clone(),
+            rho: layer.rho,
+            vp: layer.vp,
+            vs: layer.vs,
+            shear,
+            constrained,
+            band,
+        };
         material.check()?;
         Ok(material)
     }
 
     /// Lamé's moduli λ and μ at a factor pair of the two laws, Pa.
-    fn lame(&self, constrained: f64, shear: f64) -> (f64, f64) {
+    pub(super) fn lame(&self, constrained: f64, shear: f64) -> (f64, f64) {
         let mu = self.rho * self.vs * self.vs * shear;
         (self.rho * self.vp * self.vp * constrained - 2.0 * mu, mu)
     }

@@ -7,6 +7,7 @@
 //!
 //! - [`Ground`]: mesh, materials, supports and loads, assembled once;
 //! - [`Solid`]: the same in one precision, with a step, ready to run, as a subdomain of `coupling`;
+//! - [`Memory`]: how memory variables are spread over the points;
 //! - [`Metric`]: how much of an element's geometry is kept;
 //! - [`dispersion`]: how many points a wavelength needs;
 //! - [`reference`]: the internal force by its formula, slow and clear, for parity tests.
@@ -23,9 +24,11 @@ mod gauge;
 mod geometry;
 mod ground;
 mod kernel;
+mod laws;
 mod layout;
 pub mod limits;
 mod material;
+mod memory;
 mod model;
 mod portable;
 mod real;
@@ -39,6 +42,7 @@ pub use gauge::{Gauge, Tensors};
 pub use geometry::Metric;
 pub use ground::{Ground, Load, Probe, Support};
 pub use material::Material;
+pub use memory::{Memory, PointArm, PointLaw, coarse_error};
 pub use real::Real;
 pub use watch::Watch;
 

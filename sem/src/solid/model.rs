@@ -1,15 +1,15 @@
 //! Everything about a solid that does not change while it steps, in one precision.
 
 use super::ground::{Ground, Held};
-use super::kernel::ARM_NUMBERS;
+use super::laws::ARM_NUMBERS;
 use super::layout::{Layout, NO_ELEMENT};
-use super::material::Material;
+use super::memory::PointLaw;
 use super::real::Real;
 use crate::aligned::Aligned;
 use crate::gll::Gll;
 use nalgebra::{Matrix3, Vector3};
 
-/// Lamé's moduli, a lane an element, Pa.
+/// Lamé's moduli, `[batch][class][lane]`, Pa.
 #[derive(Debug, Clone)]
 pub(super) struct Moduli<T: Real> {
     pub lambda: Aligned<T>,
@@ -55,14 +55,40 @@ pub(super) struct Model<T: Real> {
     pub unrelaxed: Moduli<T>,
     /// Metric of every block.
     pub metric: Aligned<T>,
-    /// Arms per material.
+    /// Class of each local point, which chooses among an element's laws ([`super::Memory`]).
+    pub class: Vec<u8>,
+    /// Classes.
+    pub classes: usize,
+    /// Most arms of a point.
     pub arms: usize,
-    /// Numbers of the arms, `[batch][arm][number][lane]`.
+    /// Numbers of the arms, `[batch][class][arm][number][lane]`.
     pub arm_lanes: Aligned<T>,
     pub specials: Vec<SpecialKick<T>>,
     pub loads: Vec<SpecialLoad>,
     /// Special points of each interface.
     pub interfaces: Vec<Vec<u32>>,
+}
+
+impl<T: Real> Moduli<T> {
+    fn of(ground: &Ground, layout: &Layout, of: &dyn Fn(&PointLaw) -> (f64, f64)) -> Self {
+        let classes = ground.distribution.classes();
+        let zeros = || Aligned::zeros(layout.element.len() * classes);
+        let (mut lambda, mut mu) = (zeros(), zeros());
+        for (i, &e) in layout.element.iter().enumerate().filter(|(_, e)| **e != NO_ELEMENT) {
+            let (batch, lane) = (i / layout.lanes, i % layout.lanes);
+            for (class, law) in laws(ground, e).iter().enumerate() {
+                let at = (batch * classes + class) * layout.lanes + lane;
+                let moduli = of(law);
+                (lambda[at], mu[at]) = (T::of(moduli.0), T::of(moduli.1));
+            }
+        }
+        Self { lambda, mu }
+    }
+}
+
+/// Laws of an element's classes.
+fn laws(ground: &Ground, element: u32) -> &[PointLaw] {
+    &ground.distribution.laws[ground.mesh().material[element as usize] as usize]
 }
 
 impl<T: Real> Model<T> {
@@ -73,16 +99,9 @@ impl<T: Real> Model<T> {
         let special = ground.special();
         let mut layout = Layout::new(mesh, ground.numbering(), &special, lanes, tasks);
         let metric = metric::<T>(ground, &mut layout);
-        let arms = ground.materials().iter().map(|m| m.omega().len()).max().unwrap_or(0);
-        let modulus = |of: &dyn Fn(&Material) -> f64| -> Aligned<T> {
-            (layout.element.iter())
-                .map(|&e| if e == NO_ELEMENT { 0.0 } else { of(ground.material(e as usize)) })
-                .map(T::of)
-                .collect()
-        };
-        let moduli = Moduli { lambda: modulus(&|m| m.relaxed().0), mu: modulus(&|m| m.relaxed().1) };
-        let unrelaxed = Moduli { lambda: modulus(&|m| m.unrelaxed().0), mu: modulus(&|m| m.unrelaxed().1) };
-        let arm_lanes = arm_lanes(ground, &layout, arms, dt);
+        let moduli = Moduli::of(ground, &layout, &|law| law.relaxed);
+        let unrelaxed = Moduli::of(ground, &layout, &PointLaw::unrelaxed);
+        let arm_lanes = arm_lanes(ground, &layout, dt);
         let mut dt_over_mass = Aligned::zeros(layout.nodes);
         for (mass, &number) in ground.mass().iter().zip(&layout.number) {
             dt_over_mass[number as usize] = T::of(dt / mass);
@@ -95,7 +114,9 @@ impl<T: Real> Model<T> {
             moduli,
             unrelaxed,
             metric,
-            arms,
+            class: ground.distribution.class.clone(),
+            classes: ground.distribution.classes(),
+            arms: ground.distribution.arms(),
             arm_lanes,
             specials: vec![],
             loads: vec![],
@@ -152,6 +173,7 @@ impl<T: Real> Model<T> {
         let held = self.specials.iter().filter(|s| matches!(s, SpecialKick::Held(_))).count();
         numbers * size_of::<T>()
             + 4 * words
+            + self.class.len()
             + 2 * l.local.len()
             + self.specials.len() * size_of::<SpecialKick<T>>()
             + held * size_of::<HeldKick>()
@@ -186,25 +208,25 @@ fn metric<T: Real>(ground: &Ground, layout: &mut Layout) -> Aligned<T> {
     metric
 }
 
-fn arm_lanes<T: Real>(ground: &Ground, layout: &Layout, arms: usize, dt: f64) -> Aligned<T> {
-    let lanes = layout.lanes;
-    let mut numbers = Aligned::zeros(layout.element.len() * arms * ARM_NUMBERS);
+fn arm_lanes<T: Real>(ground: &Ground, layout: &Layout, dt: f64) -> Aligned<T> {
+    let (lanes, classes, arms) = (layout.lanes, ground.distribution.classes(), ground.distribution.arms());
+    let mut numbers = Aligned::zeros(layout.element.len() * classes * arms * ARM_NUMBERS);
     for (i, &e) in layout.element.iter().enumerate() {
         let (batch, lane) = (i / lanes, i % lanes);
-        for l in 0..arms {
+        for l in 0..classes * arms {
             let mut own = [1.0, 0.0, 0.0, 0.0, 2.0, 1.0];
             if e != NO_ELEMENT
-                && let Some(omega) = ground.material(e as usize).omega().get(l)
+                && let Some(arm) = laws(ground, e)[l / arms].arms.get(l % arms)
             {
-                let x = 0.5 * omega * dt;
-                let (lambda, mu) = ground.material(e as usize).arm(l);
+                let x = 0.5 * arm.omega * dt;
+                let (lambda, mu) = arm.moduli;
                 // an arm faster than the step has d = 0: the ledger then books its loss by a neighbour of d
                 let decay = if (1.0 - x).abs() < 1e-3 { 1e-3 } else { 1.0 - x } / (1.0 + x);
                 let gain = 1.0 / (1.0 + x);
                 own = [gain, 2.0 * x, lambda, mu, 1.0 + 1.0 / decay, gain / decay];
             }
             for (k, value) in own.iter().enumerate() {
-                numbers[((batch * arms + l) * ARM_NUMBERS + k) * lanes + lane] = T::of(*value);
+                numbers[((batch * classes * arms + l) * ARM_NUMBERS + k) * lanes + lane] = T::of(*value);
             }
         }
     }

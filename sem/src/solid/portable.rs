@@ -3,7 +3,8 @@
 
 use super::block::{Own, Pass, Scratch, finish, gather_block};
 use super::geometry::{Metric, point};
-use super::kernel::{ARM_NUMBERS, axis_count, global_axis, strain_components};
+use super::kernel::{axis_count, global_axis, strain_components};
+use super::laws::ARM_NUMBERS;
 use super::layout::Block;
 use super::model::Model;
 use super::real::Real;
@@ -198,7 +199,6 @@ fn element<T: Real>(
     let values = &model.metric[block.metric_start + index * per..block.metric_start + (index + 1) * per];
     let relaxed = pass != Pass::UnrelaxedForce;
     let moduli = if relaxed { &model.moduli } else { &model.unrelaxed };
-    let (lambda, mu) = (moduli.lambda[batch], moduli.mu[batch]);
     let arms = if relaxed { model.arms } else { 0 };
     let size = model.dashpots_per_batch();
     let dashpots = &mut dashpots[index * size..(index + 1) * size];
@@ -209,14 +209,15 @@ fn element<T: Real>(
         let e = basis.strain(&b, &element.u, p);
         let rate = basis.strain(&b, &element.v, p);
         let increment = rate.map(|r| model.dt * r);
-        let mut s = stress(lambda, mu, &e);
+        let class = batch * model.classes + usize::from(model.class[p]);
+        let mut s = stress(moduli.lambda[class], moduli.mu[class], &e);
         if pass == Pass::Energies {
             let last = std::array::from_fn(|c| e[c] - increment[c]);
             energy += weight.f64() * work_of(&s, &last);
         }
         for arm in 0..arms {
             let numbers: [T; ARM_NUMBERS] =
-                std::array::from_fn(|i| model.arm_lanes[(batch * model.arms + arm) * ARM_NUMBERS + i]);
+                std::array::from_fn(|i| model.arm_lanes[(class * model.arms + arm) * ARM_NUMBERS + i]);
             let own = &mut dashpots[(p * model.arms + arm) * components..][..components];
             let (l, w) = step_arm(&numbers, pass != Pass::Energies, &e, &increment, own, &mut s);
             loss += weight.f64() * l;

@@ -110,7 +110,7 @@ impl<'a> ReferenceSolid<'a> {
     pub fn new(ground: &'a Ground, dt: f64) -> Self {
         let zeros = || vec![[0.0; 3]; ground.numbering().nodes];
         let none = vec![[[0.0; 3]; 3]; ground.mesh().len() * ground.numbering().points];
-        let arms = ground.materials().iter().map(|m| m.omega().len()).max().unwrap_or(0);
+        let arms = ground.distribution.arms();
         Self { ground, dt, x: zeros(), v: zeros(), arms: vec![none.clone(); arms], strain: none, step: 0 }
     }
 
@@ -120,17 +120,17 @@ impl<'a> ReferenceSolid<'a> {
         let strain = strains(self.ground, &self.x);
         let mut stresses = Vec::with_capacity(strain.len());
         for (i, e) in strain.iter().enumerate() {
-            let material = self.ground.material(i / points);
-            let mut s = stress(material.relaxed(), e);
-            for (l, omega) in material.omega().iter().enumerate() {
-                let x = 0.5 * omega * self.dt;
+            let law = self.ground.law(i / points, i % points);
+            let mut s = stress(law.relaxed, e);
+            for (l, arm) in law.arms.iter().enumerate() {
+                let x = 0.5 * arm.omega * self.dt;
                 let own = &mut self.arms[l][i];
                 for c in 0..3 {
                     for k in 0..3 {
                         own[c][k] = ((1.0 - x) * own[c][k] + e[c][k] - self.strain[i][c][k]) / (1.0 + x);
                     }
                 }
-                let part = stress(material.arm(l), own);
+                let part = stress(arm.moduli, own);
                 (0..9).for_each(|k| s[k / 3][k % 3] += part[k / 3][k % 3]);
             }
             stresses.push(s);

@@ -146,7 +146,8 @@ impl<T: Real> Blocks<'_, T> {
     ) {
         let (model, pass) = (self.model, self.pass);
         let (shared_x, shared_v) = (self.shared_x, self.shared_v);
-        if model.arms > 0 && pass != Pass::UnrelaxedForce {
+        // moduli that differ from point to point are read where memory is
+        if model.arms > 0 && (pass != Pass::UnrelaxedForce || model.classes > 1) {
             let leaf = Leaf::<T, P, K, true> { model, pass, blocks, own, shared_x, shared_v, scratch };
             dispatch(leaf);
         } else {
@@ -249,7 +250,7 @@ impl<T: Real> Shared<'_, T> {
             let f = self.sum(range);
             for c in 0..3 {
                 v[c] = kick(v[c], zero - f[c], *m);
-                x[c] = drift(x[c], v[c], dt);
+                x[c] = drift(x[c], v[c], dt).settle();
             }
         }
         let mut exchange = Exchange::default();
@@ -290,7 +291,7 @@ impl<T: Real> Shared<'_, T> {
         }
         for c in 0..3 {
             v[c] = T::of(after[c]);
-            x[c] = drift(x[c], v[c], self.model.dt);
+            x[c] = drift(x[c], v[c], self.model.dt).settle();
         }
     }
 }

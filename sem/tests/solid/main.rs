@@ -4,6 +4,7 @@ mod gauge;
 mod ledger;
 mod parity;
 mod planes;
+mod rest;
 mod state;
 
 use hati_sem::mesh::{BoxLayer, LayeredBox, Mesh};

@@ -5,13 +5,17 @@ use crate::{materials, small_box};
 use hati_coupling::{State, Subdomain};
 use hati_sem::mesh::Locator;
 use hati_sem::solid::reference::ReferenceSolid;
-use hati_sem::solid::{Execution, Ground, Instructions, Real, Solid, Watch};
+use hati_sem::solid::{Execution, Ground, Instructions, Memory, Real, Solid, Watch};
 
 const STEPS: usize = 8;
 
-fn loaded(dimension: usize, geometry: usize, deformed: bool, order: usize, damped: bool) -> Ground {
+/// Elastic, all mechanisms at every point, or one at each.
+const LAWS: [Option<Memory>; 3] = [None, Some(Memory::Full), Some(Memory::Coarse)];
+
+fn loaded(dimension: usize, geometry: usize, deformed: bool, order: usize, memory: Option<Memory>) -> Ground {
     let mesh = small_box(dimension, geometry, deformed);
-    let mut ground = Ground::new(mesh, order, &materials(damped)).unwrap();
+    let mut ground = Ground::new(mesh, order, &materials(memory.is_some())).unwrap();
+    ground.set_memory(memory.unwrap_or_default()).unwrap();
     let place = if dimension == 3 { [1.3, 0.2, -0.7] } else { [1.3, 0.0, -0.7] };
     let forces = {
         let locator = Locator::new(ground.mesh());
@@ -55,8 +59,8 @@ fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / peak
 }
 
-fn check<T: Real>(dimension: usize, order: usize, geometry: usize, deformed: bool, damped: bool) {
-    let ground = loaded(dimension, geometry, deformed, order, damped);
+fn check<T: Real>(dimension: usize, order: usize, geometry: usize, deformed: bool, memory: Option<Memory>) {
+    let ground = loaded(dimension, geometry, deformed, order, memory);
     let dt = 0.02 / (order * order) as f64;
     let expected = by_reference(&ground, dt);
     for instructions in [Instructions::Best, Instructions::Portable] {
@@ -66,7 +70,7 @@ fn check<T: Real>(dimension: usize, order: usize, geometry: usize, deformed: boo
             let mut solid = Solid::<T>::new(&ground, dt, dt, Execution { threads, instructions });
             let error = difference(&everywhere(&ground, &mut solid, STEPS), &expected);
             let case = format!(
-                "D = {dimension}, N = {order}, {}, geometry {geometry} {deformed}, damped {damped}, {instructions:?}, {threads} threads",
+                "D = {dimension}, N = {order}, {}, geometry {geometry} {deformed}, {memory:?}, {instructions:?}, {threads} threads",
                 T::NAME
             );
             // one step's round-off is some epsilon of the largest stress; accelerations see it undamped
@@ -80,13 +84,13 @@ fn every_order_dimension_precision_geometry_and_law_steps_like_the_reference() {
     for dimension in [2, 3] {
         for order in 1..=10 {
             for (geometry, deformed) in [(1, false), (1, true), (2, true)] {
-                for damped in [false, true] {
+                for memory in LAWS {
                     // the largest elements once, with everything on
-                    if dimension == 3 && order > 8 && !(deformed && damped) {
+                    if dimension == 3 && order > 8 && !(deformed && memory.is_some()) {
                         continue;
                     }
-                    check::<f32>(dimension, order, geometry, deformed, damped);
-                    check::<f64>(dimension, order, geometry, deformed, damped);
+                    check::<f32>(dimension, order, geometry, deformed, memory);
+                    check::<f64>(dimension, order, geometry, deformed, memory);
                 }
             }
         }
@@ -95,22 +99,24 @@ fn every_order_dimension_precision_geometry_and_law_steps_like_the_reference() {
 
 #[test]
 fn threads_and_tasks_do_not_change_a_bit() {
-    let ground = loaded(3, 1, true, 4, true);
-    let dt = 1e-3;
-    let run = |threads| {
-        let execution = Execution { threads, ..Execution::default() };
-        everywhere(&ground, &mut Solid::<f32>::new(&ground, dt, dt, execution), STEPS)
-    };
-    let one = run(1);
-    for threads in [2, 3, 7] {
-        assert!(run(threads) == one, "{threads} threads");
+    for memory in [Memory::Full, Memory::Coarse] {
+        let ground = loaded(3, 1, true, 4, Some(memory));
+        let dt = 1e-3;
+        let run = |threads| {
+            let execution = Execution { threads, ..Execution::default() };
+            everywhere(&ground, &mut Solid::<f32>::new(&ground, dt, dt, execution), STEPS)
+        };
+        let one = run(1);
+        for threads in [2, 3, 7] {
+            assert!(run(threads) == one, "{memory:?}, {threads} threads");
+        }
     }
 }
 
 #[test]
 fn a_saved_state_goes_on_bit_for_bit() {
-    fn check<T: Real>() {
-        let ground = loaded(3, 2, true, 3, true);
+    fn check<T: Real>(memory: Memory) {
+        let ground = loaded(3, 2, true, 3, Some(memory));
         let dt = 1e-3;
         let mut straight = Solid::<T>::new(&ground, dt, dt, Execution::default());
         let expected = everywhere(&ground, &mut straight, STEPS);
@@ -125,6 +131,8 @@ fn a_saved_state_goes_on_bit_for_bit() {
         state.values.pop();
         assert!(second.restore(&state).is_err());
     }
-    check::<f32>();
-    check::<f64>();
+    for memory in [Memory::Full, Memory::Coarse] {
+        check::<f32>(memory);
+        check::<f64>(memory);
+    }
 }

@@ -3,12 +3,13 @@
 use crate::{materials, small_box};
 use hati_coupling::Subdomain;
 use hati_sem::mesh::Locator;
-use hati_sem::solid::{Execution, Ground, Instructions, Real, Solid, Watch};
+use hati_sem::solid::{Execution, Ground, Instructions, Memory, Real, Solid, Watch};
 
 const DT: f64 = 1e-3;
 
-fn ground() -> Ground {
+fn ground(memory: Memory) -> Ground {
     let mut ground = Ground::new(small_box(3, 1, true), 4, &materials(true)).unwrap();
+    ground.set_memory(memory).unwrap();
     ground.support("bottom", hati_sem::solid::Support::Absorbing).unwrap();
     let forces = {
         let locator = Locator::new(ground.mesh());
@@ -29,8 +30,8 @@ fn steps<T: Real>(ground: &Ground, solid: &mut Solid<T>, count: usize) -> Vec<[f
     watch.displacement().iter().chain(watch.acceleration()).copied().collect()
 }
 
-fn goes_on<T: Real>() {
-    let ground = ground();
+fn goes_on<T: Real>(memory: Memory) {
+    let ground = ground(memory);
     let solid = |threads| Solid::<T>::new(&ground, DT, DT, Execution { threads, ..Execution::default() });
     let mut straight = solid(1);
     let expected = steps(&ground, &mut straight, 30);
@@ -49,13 +50,15 @@ fn goes_on<T: Real>() {
 
 #[test]
 fn a_written_state_goes_on_bit_for_bit_on_any_number_of_threads() {
-    goes_on::<f32>();
-    goes_on::<f64>();
+    for memory in [Memory::Full, Memory::Coarse] {
+        goes_on::<f32>(memory);
+        goes_on::<f64>(memory);
+    }
 }
 
 #[test]
 fn the_state_of_another_solid_is_refused() {
-    let ground = ground();
+    let ground = ground(Memory::Full);
     let mut bytes = vec![];
     Solid::<f32>::new(&ground, DT, DT, Execution::default()).write_state(&mut bytes).unwrap();
     let refused = |outcome: std::io::Result<()>| {
@@ -66,6 +69,8 @@ fn the_state_of_another_solid_is_refused() {
     let other = Solid::<f64>::new(&ground, DT, DT, Execution::default()).read_state(&mut &from(&bytes)[..]);
     refused(other);
     refused(Solid::<f32>::new(&ground, 2.0 * DT, DT, Execution::default()).read_state(&mut &bytes[..]));
+    let coarse = self::ground(Memory::Coarse);
+    refused(Solid::<f32>::new(&coarse, DT, DT, Execution::default()).read_state(&mut &bytes[..]));
     let portable = Execution { threads: 1, instructions: Instructions::Portable };
     if Instructions::Best.lanes::<f32>(4) > 1 {
         refused(Solid::<f32>::new(&ground, DT, DT, portable).read_state(&mut &bytes[..]));

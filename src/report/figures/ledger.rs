@@ -4,15 +4,61 @@ use super::super::place::COLUMN;
 use super::super::svg::{Anchor, Axis, Figure, Panel, Rect, Stroke, Text, significant};
 use super::super::table::Table;
 use super::{Plate, WIDTH, extent};
-use crate::results::{LedgerRow, SiteResponse};
+use crate::results::LedgerRow;
 
-/// Fill and words of each share, from the bottom up; lightness falls so that grey tells them apart.
-const SHARES: [(&str, &str); 4] = [
-    ("#d9e6f2", "radiated into the half-space"),
-    ("#9dbfda", "lost to material damping"),
-    ("#e9b872", "strain energy"),
-    ("#b3552f", "kinetic energy"),
-];
+/// Fills of the shares, from the bottom up; lightness falls so that grey tells them apart.
+const FILLS: [&str; 4] = ["#d9e6f2", "#9dbfda", "#e9b872", "#b3552f"];
+
+/// Whose energies they are: decides units and words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Ledgered {
+    /// A column: per unit of plan area.
+    Column,
+    /// A section: per metre along y.
+    Section,
+    /// A volume.
+    Volume,
+}
+
+impl Ledgered {
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Column => "J/m²",
+            Self::Section => "J/m",
+            Self::Volume => "J",
+        }
+    }
+
+    /// Ending of the table's columns.
+    fn suffix(self) -> &'static str {
+        match self {
+            Self::Column => "j_m2",
+            Self::Section => "j_m",
+            Self::Volume => "j",
+        }
+    }
+
+    /// Words of each share, from the bottom up.
+    fn shares(self) -> [&'static str; 4] {
+        let left = match self {
+            Self::Column => "radiated into the half-space",
+            _ => "left through boundaries",
+        };
+        [left, "lost to material damping", "strain energy", "kinetic energy"]
+    }
+
+    fn body(self) -> &'static str {
+        if self == Self::Column { "column" } else { "ground" }
+    }
+
+    fn first_words(self) -> &'static str {
+        match self {
+            Self::Column => "Energies per unit plan area.",
+            Self::Section => "Energies per metre along y.",
+            Self::Volume => "Energies of the whole model.",
+        }
+    }
+}
 
 fn shares(row: &LedgerRow) -> [f64; 4] {
     [row.outflow, row.viscous, row.strain, row.kinetic]
@@ -42,8 +88,7 @@ fn place(panel: usize) -> Rect {
 }
 
 /// The energy ledger: stacked shares under the input, what is stored enlarged, the residual below.
-pub(in super::super) fn ledger(data: &SiteResponse) -> Option<Plate> {
-    let rows = &data.ledger;
+pub(in super::super) fn ledger(rows: &[LedgerRow], of: Ledgered) -> Option<Plate> {
     let error = closing_error(rows)?;
     let reference = reference(rows)?;
     let (first, last) = extent(rows.iter().map(|r| r.time))?;
@@ -52,7 +97,7 @@ pub(in super::super) fn ledger(data: &SiteResponse) -> Option<Plate> {
     let (low, _) = extent(rows.iter().map(|r| r.input.min(0.0)))?;
     let mut figure = Figure::new("energy-ledger", "Energy ledger", WIDTH, 682.0);
     let x = Axis::linear(first, last, "elapsed time (s)", 12);
-    let (scale, unit) = energy_unit(top);
+    let (scale, unit) = energy_unit(top, of);
     let label = format!("energy ({unit})");
     let y = Axis::linear(low * scale * 1.06, top * scale * 1.06, &label, 6);
     let panel = Panel::draw(&mut figure, place(0), x.clone(), y, false, true);
@@ -61,35 +106,45 @@ pub(in super::super) fn ledger(data: &SiteResponse) -> Option<Plate> {
     panel.line(&mut figure, rows.iter().map(|r| (r.time, r.input * scale)), input);
     panel.close(&mut figure);
     let shown = significant(error, 2);
-    let style = Text::new(13.5).bold().halo();
     let at = place(0);
-    figure.text(at.x + 12.0, at.y + 24.0, &format!("closing error {shown}"), style);
-    draw_stored(&mut figure, rows, x.clone());
+    // at the end of the time where less stands in its way
+    let highest = |from: f64, to: f64| {
+        let within = |r: &&LedgerRow| (from..=to).contains(&((r.time - first) / (last - first)));
+        rows.iter().filter(within).map(|r| r.input).fold(0.0, f64::max)
+    };
+    let early = highest(0.0, 0.3) <= highest(0.7, 1.0);
+    let (x_text, anchor) =
+        if early { (at.x + 12.0, Anchor::Start) } else { (at.x + at.width - 12.0, Anchor::End) };
+    let style = Text::new(13.5).bold().halo().anchor(anchor);
+    figure.text(x_text, at.y + 24.0, &format!("closing error {shown}"), style);
+    draw_stored(&mut figure, rows, x.clone(), of);
     draw_residual(&mut figure, rows, reference, x);
-    draw_key(&mut figure, at.x + at.width, input);
+    draw_key(&mut figure, at.x + at.width, input, of);
     Some(Plate {
         figure,
-        csv: table(rows),
+        csv: table(rows, of.suffix()),
         caption: format!(
-            "Energies per unit plan area. Stacked: what is stored and what has left the column; the dashed \
+            "{} Stacked: what is stored and what has left the {}; the dashed \
              line is what came in. Where the two meet, no energy was made or lost. Closing error: largest \
-             |input − stored − losses| over the largest |input| + stored = {shown}."
+             |input − stored − losses| over the largest |input| + stored = {shown}.",
+            of.first_words(),
+            of.body(),
         ),
     })
 }
 
 /// Strain and kinetic energy at a scale of their own.
-fn draw_stored(figure: &mut Figure, rows: &[LedgerRow], x: Axis) {
+fn draw_stored(figure: &mut Figure, rows: &[LedgerRow], x: Axis, of: Ledgered) {
     let Some((_, top)) = extent(rows.iter().map(|r| r.strain + r.kinetic)) else {
         return;
     };
-    let (scale, unit) = energy_unit(top);
+    let (scale, unit) = energy_unit(top, of);
     let y = Axis::from_zero(top * scale, &format!("stored ({unit})"), 3);
     let panel = Panel::draw(figure, place(1), x, y, false, true);
     draw_shares(figure, &panel, rows, scale, 2);
     panel.close(figure);
     let style = Text::new(12.5).bold();
-    figure.text(LEFT, place(1).y - 9.0, "stored in the column", style);
+    figure.text(LEFT, place(1).y - 9.0, &format!("stored in the {}", of.body()), style);
 }
 
 /// Stacks the shares from number `from` on.
@@ -99,7 +154,7 @@ fn draw_shares(figure: &mut Figure, panel: &Panel, rows: &[LedgerRow], scale: f6
     let mut picked: Vec<&LedgerRow> = rows.iter().step_by(stride).collect();
     picked.extend(rows.last());
     let mut low: Vec<(f64, f64)> = picked.iter().map(|r| (r.time, 0.0)).collect();
-    for (share, (fill, _)) in SHARES.iter().enumerate().skip(from) {
+    for (share, fill) in FILLS.iter().enumerate().skip(from) {
         let high: Vec<(f64, f64)> = picked
             .iter()
             .zip(&low)
@@ -127,14 +182,14 @@ fn draw_residual(figure: &mut Figure, rows: &[LedgerRow], reference: f64, x: Axi
     figure.text(LEFT, place(2).y - 9.0, words, style);
 }
 
-fn draw_key(figure: &mut Figure, right: f64, input: Stroke) {
+fn draw_key(figure: &mut Figure, right: f64, input: Stroke, of: Ledgered) {
     let width = |text: &str| 30.0 + 6.6 * text.chars().count() as f64;
-    let total: f64 = SHARES.iter().map(|(_, words)| width(words)).sum();
+    let total: f64 = of.shares().into_iter().map(width).sum();
     let mut x = right - total - 78.0;
     figure.segment((x, 22.0), (x + 24.0, 22.0), input);
     figure.text(x + 30.0, 26.0, "input", Text::new(12.0));
     x += 78.0;
-    for (fill, words) in SHARES.iter().rev() {
+    for (fill, words) in FILLS.into_iter().zip(of.shares()).rev() {
         figure.rectangle(x, 15.0, 13.0, 13.0, fill);
         let style = Text::new(12.0).anchor(Anchor::Start);
         figure.text(x + 18.0, 26.0, words, style);
@@ -142,25 +197,35 @@ fn draw_key(figure: &mut Figure, right: f64, input: Stroke) {
     }
 }
 
-fn energy_unit(top: f64) -> (f64, &'static str) {
-    if top >= 2e6 {
-        (1e-6, "MJ/m²")
-    } else if top >= 2e3 {
-        (1e-3, "kJ/m²")
-    } else {
-        (1.0, "J/m²")
-    }
+/// Factor and unit in which the largest energy has few digits.
+fn energy_unit(top: f64, of: Ledgered) -> (f64, String) {
+    let prefixes = [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m")];
+    let (size, prefix) = prefixes.into_iter().find(|(size, _)| top >= 2.0 * size).unwrap_or((1e-6, "µ"));
+    (1.0 / size, format!("{prefix}{}", of.unit()))
 }
 
-fn table(rows: &[LedgerRow]) -> String {
+fn table(rows: &[LedgerRow], suffix: &str) -> String {
     let column = |of: fn(&LedgerRow) -> f64| rows.iter().map(of).collect::<Vec<f64>>();
     Table::default()
         .column("elapsed_time_s", column(|r| r.time))
-        .column("input_j_m2", column(|r| r.input))
-        .column("kinetic_j_m2", column(|r| r.kinetic))
-        .column("strain_j_m2", column(|r| r.strain))
-        .column("viscous_j_m2", column(|r| r.viscous))
-        .column("outflow_j_m2", column(|r| r.outflow))
-        .column("residual_j_m2", column(|r| r.residual))
+        .column(format!("input_{suffix}"), column(|r| r.input))
+        .column(format!("kinetic_{suffix}"), column(|r| r.kinetic))
+        .column(format!("strain_{suffix}"), column(|r| r.strain))
+        .column(format!("viscous_{suffix}"), column(|r| r.viscous))
+        .column(format!("outflow_{suffix}"), column(|r| r.outflow))
+        .column(format!("residual_{suffix}"), column(|r| r.residual))
         .to_csv()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_follow_the_size_and_the_kind() {
+        assert_eq!(energy_unit(2.5e6, Ledgered::Column), (1e-6, "MJ/m²".to_owned()));
+        assert_eq!(energy_unit(1.9e3, Ledgered::Section), (1.0, "J/m".to_owned()));
+        assert_eq!(energy_unit(0.1, Ledgered::Volume).1, "mJ");
+        assert_eq!(energy_unit(0.0, Ledgered::Volume).1, "µJ");
+    }
 }

@@ -12,7 +12,7 @@ const PIXELS: usize = 420;
 /// Maps in a row.
 const COLUMNS: usize = 3;
 const LEFT: f64 = 72.0;
-const RIGHT: f64 = 96.0;
+const RIGHT: f64 = 108.0;
 const GAP: f64 = 36.0;
 const TALLEST: f64 = 460.0;
 
@@ -173,11 +173,13 @@ pub(super) fn map(
 /// Instants evenly between the first motion and the end of the strong one.
 pub(super) fn instants(surface: &SurfaceMotion, count: usize) -> Vec<usize> {
     let all = surface.time.len();
-    let largest: Vec<f32> =
-        (0..all).map(|i| surface.frame(i).iter().fold(0.0_f32, |m, v| m.max(*v))).collect();
-    let peak = largest.iter().fold(0.0_f32, |m, v| m.max(*v));
-    let first = largest.iter().position(|v| *v >= 0.02 * peak).unwrap_or(0);
-    let last = largest.iter().rposition(|v| *v >= 0.05 * peak).unwrap_or(all.saturating_sub(1));
+    // of the whole picture: the largest value stays at a point source while the waves run on
+    let strength: Vec<f64> = (0..all)
+        .map(|i| surface.frame(i).iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt())
+        .collect();
+    let peak = strength.iter().fold(0.0_f64, |m, v| m.max(*v));
+    let first = strength.iter().position(|v| *v >= 0.02 * peak).unwrap_or(0);
+    let last = strength.iter().rposition(|v| *v >= 0.05 * peak).unwrap_or(all.saturating_sub(1));
     let count = count.min(last + 1 - first.min(last));
     // The very first motion is a dot: begin a little later, end a little earlier.
     let place = |k: usize| first as f64 + (last - first) as f64 * (k as f64 + 0.7) / (count as f64 + 0.2);

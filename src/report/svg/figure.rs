@@ -181,6 +181,28 @@ impl Figure {
         let _ = write!(self.body, "<path d=\"{commands}\" fill=\"{fill}\" stroke=\"none\"/>");
     }
 
+    /// Closed polygons of one fill, with outlines or without.
+    pub(crate) fn polygons<P>(
+        &mut self,
+        all: impl IntoIterator<Item = P>,
+        fill: &str,
+        outline: Option<Stroke>,
+    ) where
+        P: IntoIterator<Item = (f64, f64)>,
+    {
+        self.body.push_str("<path d=\"");
+        for polygon in all {
+            let mut command = 'M';
+            for (x, y) in polygon {
+                let _ = write!(self.body, "{command}{x:.1} {y:.1}");
+                command = 'L';
+            }
+            self.body.push('Z');
+        }
+        let stroke = outline.map_or_else(|| " stroke=\"none\"".to_owned(), stroke_attributes);
+        let _ = write!(self.body, "\" fill=\"{fill}\" stroke-linejoin=\"round\"{stroke}/>");
+    }
+
     /// A PNG image stretched over a rectangle.
     pub(crate) fn image(&mut self, x: f64, y: f64, width: f64, height: f64, base64: &str) {
         let _ = write!(

@@ -5,15 +5,15 @@ use crate::verify::{CaseResult, Check, twist};
 use hati_sem::SemError;
 use hati_sem::attenuation::{MaxwellArms, constant_damping_factor};
 use hati_sem::soil::Layer;
-use hati_sem::solid::Material;
+use hati_sem::solid::{Material, Memory};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Centre of the pulse and of the band, Hz.
-const CENTRE: f64 = 10.0;
+pub(super) const CENTRE: f64 = 10.0;
 
 /// Mechanisms and the band's highest over its lowest frequency, as wide as they carry D to 0.5 %.
-const CARRIED: [(usize, f64); 3] = [(3, 6.0), (4, 25.0), (5, 100.0)];
+pub(super) const CARRIED: [(usize, f64); 3] = [(3, 6.0), (4, 25.0), (5, 100.0)];
 
 /// What a wave has become after twenty wavelengths of the centre frequency, against the exact solution.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +33,7 @@ fn band(ratio: f64) -> (f64, f64) {
     (CENTRE / ratio.sqrt(), CENTRE * ratio.sqrt())
 }
 
-fn material(quality: f64, mechanisms: usize, ratio: f64) -> Result<Material, SemError> {
+pub(super) fn material(quality: f64, mechanisms: usize, ratio: f64) -> Result<Material, SemError> {
     let damping = 0.5 / quality;
     let layer = Layer {
         name: "soil".into(),
@@ -67,6 +67,7 @@ fn decay(
     let between = 20 * per_wavelength;
     let arms = arms.clone();
     let bar = Bar {
+        dimension: 2,
         wave,
         order,
         size,
@@ -77,6 +78,7 @@ fn decay(
         near: 2,
         between,
         material,
+        memory: Memory::Full,
     };
     let frequencies = [0.7, 1.0, 1.4].map(|f| f * CENTRE);
     let distance = between as f64 * size;

@@ -1,4 +1,4 @@
-//! A plane wave along a bar of square elements, one element high, of a section.
+//! A plane wave along a bar of square elements, one element high, of a section; or of cubes, one element wide as well.
 //!
 //! Held so that only one component moves, and pushed at one end, a bar carries exactly the plane wave: P with z held
 //! everywhere, SV with x held, SH with both. It is so long that nothing comes back while it is looked at.
@@ -8,7 +8,7 @@
 use hati_coupling::Subdomain;
 use hati_sem::SemError;
 use hati_sem::mesh::{BoxLayer, LayeredBox};
-use hati_sem::solid::{Execution, Ground, Material, Solid, Watch};
+use hati_sem::solid::{Execution, Ground, Material, Memory, Solid, Watch};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -40,11 +40,13 @@ impl Wave {
 
 /// A bar and how it is looked at.
 pub(super) struct Bar {
+    pub(super) dimension: usize,
     pub(super) wave: Wave,
     pub(super) order: usize,
     /// Edge of an element, m.
     pub(super) size: f64,
     pub(super) material: Material,
+    pub(super) memory: Memory,
     /// Fastest speed in the bar, m/s.
     pub(super) speed: f64,
     /// Frequency of the pulse, Hz: a cosine under a bell.
@@ -107,9 +109,9 @@ impl Bar {
         let name = self.material.name.clone();
         let layers = [BoxLayer { name, thickness: self.size, elements: 1 }];
         let mesh = LayeredBox {
-            dimension: 2,
+            dimension: self.dimension,
             x: (0.0, elements as f64 * self.size),
-            y: (0.0, 1.0),
+            y: (0.0, self.size),
             layers: &layers,
             element_width: self.size,
             topography: None,
@@ -118,6 +120,7 @@ impl Bar {
         }
         .mesh()?;
         let mut ground = Ground::new(mesh, self.order, std::slice::from_ref(&self.material))?;
+        ground.set_memory(self.memory)?;
         (0..3).filter(|&c| c != self.wave.component()).for_each(|c| ground.hold_component(c));
         Ok(ground)
     }

@@ -5,7 +5,7 @@ use crate::report::{DispersionCurve, dispersion_figure};
 use crate::run::RunError;
 use crate::verify::{CaseFigure, CaseResult, Check, twist};
 use hati_sem::SemError;
-use hati_sem::solid::{Material, dispersion};
+use hati_sem::solid::{Material, Memory, dispersion};
 use std::f64::consts::TAU;
 
 /// Leading term of the phase error per wavelength, $\dfrac{1}{2N(2N+1)}\left[\dfrac{N!}{(2N)!}\right]^2 (kh)^{2N}$
@@ -41,6 +41,7 @@ fn lag(wave: Wave, order: usize, points: f64, part: f64, wavelengths: usize) -> 
     let size = order as f64 * speed / (points * f);
     let between = (wavelengths as f64 * speed / f / size).ceil() as usize;
     let bar = Bar {
+        dimension: 2,
         wave,
         order,
         size,
@@ -52,6 +53,7 @@ fn lag(wave: Wave, order: usize, points: f64, part: f64, wavelengths: usize) -> 
         near: 2,
         between,
         material: Material::elastic("soil", 1900.0, vp, vs),
+        memory: Memory::Full,
     };
     let courant = speed * bar.dt()? / size;
     let distance = between as f64 * size / (speed / f);

@@ -9,7 +9,8 @@ use super::super::types::{
     Auto, DT_FROM, Discretisation, ELEMENTS_TO, FIELD_INTERVALS_TO, FieldSpacing, Output, StationEntry,
     TAIL_TO,
 };
-use super::super::volume::{POINTS_TO, Precision, SIZE_FROM};
+use super::super::values::Words;
+use super::super::volume::{MemoryVariables, POINTS_TO, Precision, SIZE_FROM};
 use super::domain;
 use super::domain::coordinates;
 use super::motion::MAX_SAMPLES;
@@ -35,9 +36,11 @@ pub(super) fn discretisation(
     let bounds = Bounds::between(2.0, POINTS_TO, "");
     let points_per_wavelength = cx.auto_number(s, "points_per_wavelength", &bounds);
     let f_max = cx.auto_number(s, "f_max", &Bounds::positive("Hz"));
-    let precision = precision(cx, s);
+    let precision = auto_word::<Precision>(cx, s, "precision", ["auto", "f32", "f64"]);
     let dt = cx.auto_number(s, "dt", &Bounds::at_least(DT_FROM, "s"));
     let mechanisms = cx.auto_whole(s, "mechanisms", 1, 12);
+    let memory_variables =
+        auto_word::<MemoryVariables>(cx, s, "memory_variables", ["auto", "full", "coarse"]);
     let tail = cx.auto_number(s, "tail", &Bounds::between(0.0, TAIL_TO, "s"));
     if let (Some(Auto::Value(tail)), Some((dt, duration))) = (tail, synthetic)
         && (duration + tail) / dt > MAX_SAMPLES
@@ -47,7 +50,7 @@ pub(super) fn discretisation(
         cx.error(s.at("tail"), message, "shorten the tail, or raise the wavelet's dt");
     }
     if domain.column() {
-        let keys = ["element_size", "points_per_wavelength", "f_max", "precision"];
+        let keys = ["element_size", "points_per_wavelength", "f_max", "precision", "memory_variables"];
         cx.misplaced(
             s,
             &keys,
@@ -72,22 +75,29 @@ pub(super) fn discretisation(
         precision: precision?,
         dt: dt?,
         mechanisms: mechanisms?,
+        memory_variables: memory_variables?,
         tail: tail?,
     })
 }
 
-fn precision(cx: &mut Checker<'_>, s: &mut Section<'_>) -> Option<Auto<Precision>> {
-    const WORDS: [&str; 3] = ["auto", "f32", "f64"];
-    let Some(node) = s.get("precision") else { return Some(Auto::Auto) };
+/// One of two words, or `"auto"`, the first of `words`.
+fn auto_word<T: Words>(
+    cx: &mut Checker<'_>,
+    s: &mut Section<'_>,
+    key: &'static str,
+    words: [&str; 3],
+) -> Option<Auto<T>> {
+    let Some(node) = s.get(key) else { return Some(Auto::Auto) };
     match &node.value {
         Value::String(word) if word == "auto" => Some(Auto::Auto),
-        Value::String(word) if !WORDS.contains(&word.as_str()) => {
-            cx.unknown_word(s.at("precision"), word, &WORDS, "");
+        Value::String(word) if !words.contains(&word.as_str()) => {
+            cx.unknown_word(s.at(key), word, &words, "");
             None
         }
-        Value::String(_) => cx.word::<Precision>(s, "precision").map(Auto::Value),
+        Value::String(_) => cx.word::<T>(s, key).map(Auto::Value),
         other => {
-            cx.wrong_type(s.at("precision"), other, "\"auto\", \"f32\" or \"f64\"", "");
+            let [auto, first, second] = words;
+            cx.wrong_type(s.at(key), other, &format!("\"{auto}\", \"{first}\" or \"{second}\""), "");
             None
         }
     }

@@ -150,6 +150,7 @@ impl Writer<'_> {
         self.entry("discretisation", "points_per_wavelength", &d.points_per_wavelength);
         self.entry("discretisation", "f_max", &d.f_max);
         self.entry("discretisation", "precision", &d.precision);
+        self.entry("discretisation", "memory_variables", &d.memory_variables);
     }
 
     pub(super) fn run_and_output(&mut self) {
