@@ -25,5 +25,6 @@ mod scenes;
 mod verbs;
 mod volume;
 mod volume_accuracy;
+mod volume_choices;
 mod volume_disk;
 mod volume_input;
