@@ -43,9 +43,9 @@ pub(super) fn traces(plan: &VolumePlan, out: &Path) -> Result<Vec<Trace>, Output
         for (number, sensor) in plan.sensors.iter().enumerate() {
             // a motion that was not asked for holds missing values only
             let asked = MOTIONS.map(|m| sensor.quantities.contains(&m));
-            let of = |motion: usize, all: &[f64]| match asked[motion] {
-                true => all.iter().skip(number).step_by(stations).copied().collect(),
-                false => vec![],
+            let of = |motion: usize, all: &[f64]| {
+                let own = all.iter().skip(number).step_by(stations).copied();
+                if asked[motion] { own.collect() } else { vec![] }
             };
             if asked == [false; 3] {
                 continue;

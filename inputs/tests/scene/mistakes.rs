@@ -52,7 +52,11 @@ fn syntax_errors_do_not_hide_the_rest() {
     assert_eq!(found.len(), 4, "{found:#?}");
     assert!(found[0].starts_with("3 accuracy: expected"), "{}", found[0]);
     assert!(found[1].starts_with("21 soil.layer[1].vs: TOML syntax: invalid float"), "{}", found[1]);
-    assert!(found[2].starts_with("29 soil.layer[2].rho: expected a number above 0 kg/m³"), "{}", found[2]);
+    assert!(
+        found[2].starts_with("29 soil.layer[2].rho: expected a number of at least 0.001"),
+        "{}",
+        found[2]
+    );
     assert!(found[3].starts_with("33 soil.base.kind: TOML syntax"), "{}", found[3]);
     assert!(found[3].contains("\"elastic\""), "{}", found[3]);
     one_error(&with("vs = 150.0", "vs = 150 m/s"), &["21 soil.layer[1].vs: TOML syntax", "without its unit"]);
@@ -208,7 +212,9 @@ fn single_mistakes() {
         (
             "thickness = 5\n",
             "thickness = 0\n",
-            &["20 soil.layer[1].thickness: expected a number above 0 and of at most 100000 m, found 0 m"],
+            &[
+                "20 soil.layer[1].thickness: expected a number of at least 1e-6 and of at most 100000 m, found 0 m",
+            ],
         ),
         ("thickness = 5\n", "thickness = inf\n", &["20 soil.layer[1].thickness", "found inf"]),
         ("thickness = 10.0\n", "", &["25 soil.layer[2].thickness: missing"]),
@@ -223,7 +229,9 @@ fn single_mistakes() {
         (
             "rho = 1800.0",
             "rho = [1800.0]",
-            &["23 soil.layer[1].rho: expected a number above 0 kg/m³, found a list"],
+            &[
+                "23 soil.layer[1].rho: expected a number of at least 0.001 and of at most 100000 kg/m³, found a list",
+            ],
         ),
         ("damping = 0.02", "damping = 2", &["24 soil.layer[1].damping", "2 % is 0.02"]),
         ("damping = 0.02", "damping = 0.02\nq = 25", &["25 soil.layer[1].q: `damping` is given too"]),

@@ -190,7 +190,7 @@ fn the_reference_page_names_every_key_with_its_unit() {
         "| `f_max` | number, Hz, above 0 | high frequencies pass |",
         "### `step = \"rest\"`",
         "## `[[soil.layer]]`",
-        "| `thickness` | number, m, above 0, at most 100000 | required |",
+        "| `thickness` | number, m, from 1e-6 to 100000 | required |",
         "| `kind` | `\"elastic\"` or `\"rigid\"` | required |",
         "| `order` | `\"auto\"` or whole number, from 1 to 10 | `\"auto\"` |",
         "| `tail` | `\"auto\"` or number, s, from 0 to 3600 |",

@@ -100,11 +100,11 @@ quantities = ["acceleration"]
 [output.volume]
 material = "base"
 dt = 0.1
-quantities = ["stress"]
+quantities = ["displacement"]
 [output.field]
 spacing = 1.0
 dt = 0.02
-quantities = ["velocity", "strain"]
+quantities = ["velocity", "acceleration"]
 x = [-10.0, 10.0]
 y = [5.0, 5.0]
 z = [-12.0, 0.0]
@@ -366,6 +366,9 @@ fn reader_serde_and_schema_agree() {
         ("\"f64\"", "\"f16\""),
         ("[\"velocity\", \"displacement\"]", "[]"),
         ("every = 600", "every = 0.5"),
+        ("every = 600", "every = 1e30"),
+        ("depth = 40.0", "depth = 1e-300"),
+        ("[\"velocity\", \"acceleration\"]", "[\"velocity\", \"strain\"]"),
         ("moment = [1e9, ", "moment = ["),
     ] {
         assert!(BOX.contains(old), "{old}");
@@ -448,7 +451,7 @@ fn overrides_reach_every_part() {
         ("source[4].wavelet", "{ kind = \"ramp\", frequency = 2.0, time = 1.0 }"),
         ("source[4].channel", "\"x\""),
         ("domain.boundary.x_max", "fixed"),
-        ("output.surface.quantities", "[\"stress\"]"),
+        ("output.surface.quantities", "[\"displacement\"]"),
         ("run.duration", "3"),
         ("discretisation.precision", "f32"),
     ])

@@ -50,7 +50,8 @@ fn a_box() {
                 "depth = 15.0",
                 &["domain.depth: 15 m is not below the layers, which end at 15 m"],
             ),
-            ("depth = 40.0", "depth = -4", &["domain.depth: expected a number above 0"]),
+            ("depth = 40.0", "depth = 1e-300", &["domain.depth: expected a number of at least 1e-6"]),
+            ("depth = 40.0", "depth = -4", &["domain.depth: expected a number of at least 1e-6"]),
             (
                 "depth = 40.0\n",
                 "depth = 40.0\ntopography = \"http://a/b\"\n",
@@ -292,7 +293,7 @@ fn sizes_and_outputs() {
             (
                 "element_size = 2.5",
                 "element_size = 0",
-                &["discretisation.element_size: expected a number above 0 m"],
+                &["discretisation.element_size: expected a number of at least 1e-6 m"],
             ),
             (
                 "element_size = 2.5",
@@ -385,7 +386,22 @@ fn sizes_and_outputs() {
                 &["output.field.x: -10 m to 31 m reaches out of the domain, -20 m to 30 m"],
             ),
             ("z = [-12.0, 0.0]", "z = [0.0, -12.0]", &["output.field.z: 0 m is not below -12 m"]),
-            ("every = 600", "every = 0", &["output.checkpoint.every: expected a number of at least 1 s"]),
+            (
+                "every = 600",
+                "every = 0",
+                &["output.checkpoint.every: expected a number of at least 1 and of at most 1e9 s"],
+            ),
+            ("every = 600", "every = 1e30", &["output.checkpoint.every: ", "found 1e30 s"]),
+            (
+                "[\"velocity\", \"acceleration\"]",
+                "[\"velocity\", \"strain\"]",
+                &["output.field.quantities: \"strain\" is written at stations only", "[[output.stations]]"],
+            ),
+            (
+                "[\"acceleration\"]\n[output.volume]",
+                "[\"stress\"]\n[output.volume]",
+                &["output.surface.quantities: \"stress\" is written at stations only"],
+            ),
         ],
     );
     let bare = BOX[..BOX.find("[output]").expect("outputs")].to_owned();
