@@ -90,7 +90,7 @@ pub enum SemError {
     },
     /// A surface that comes too near the interface under it.
     #[error(
-        "the surface at x = {x} m, y = {y} m lies at z = {height} m, but the layers that follow it end at z = {floor} m and elements would be crushed below z = {least} m: let more layers follow the surface (moved_layers), thicken the first one or mesh the scene with Gmsh"
+        "the surface at x = {x} m, y = {y} m lies at z = {height} m, but the layers that follow it end at z = {floor} m and elements would be crushed below z = {least} m: thicken the first layer or mesh the scene with Gmsh"
     )]
     TopographyTooLow {
         /// Place, m.
@@ -173,7 +173,7 @@ pub enum SemError {
     /// A material that is not there.
     #[error(
         "element {element} at ({}, {}, {}) m has material {material}, but only {materials} are named: put every element into a named group",
-        centre[0], centre[1], centre[2]
+        short(centre[0]), short(centre[1]), short(centre[2])
     )]
     MaterialIndex {
         /// Element, counted from 0.
@@ -204,7 +204,7 @@ pub enum SemError {
     /// An element that is turned inside out, folded or flat.
     #[error(
         "element {element} at ({}, {}, {}) m has a scaled Jacobian of {value:.3e}, which must be above 1e-6: the element is turned inside out, folded or flat (check the order of its nodes, the mesh's quality there or the topography)",
-        centre[0], centre[1], centre[2]
+        short(centre[0]), short(centre[1]), short(centre[2])
     )]
     Jacobian {
         /// Element, counted from 0.
@@ -217,7 +217,7 @@ pub enum SemError {
     /// More than two elements at one side.
     #[error(
         "elements {elements:?} share one side at ({}, {}, {}) m: a side has at most two elements; remove the duplicates",
-        centre[0], centre[1], centre[2]
+        short(centre[0]), short(centre[1]), short(centre[2])
     )]
     SideShared {
         /// Elements, counted from 0.
@@ -228,7 +228,7 @@ pub enum SemError {
     /// A side on whose nodes two elements do not agree.
     #[error(
         "elements {} and {} meet at ({}, {}, {}) m with the same corners but not the same side: their nodes between or the order of the corners differ; mesh again with one geometric order and without duplicate nodes",
-        elements[0], elements[1], centre[0], centre[1], centre[2]
+        elements[0], elements[1], short(centre[0]), short(centre[1]), short(centre[2])
     )]
     SideTwisted {
         /// Elements, counted from 0.
@@ -239,7 +239,7 @@ pub enum SemError {
     /// Two elements on the same side of the side that they share.
     #[error(
         "elements {} and {} overlap: both lie on the same side of their common face at ({}, {}, {}) m; remove the duplicate",
-        elements[0], elements[1], centre[0], centre[1], centre[2]
+        elements[0], elements[1], short(centre[0]), short(centre[1]), short(centre[2])
     )]
     ElementsOverlap {
         /// Elements, counted from 0.
@@ -250,7 +250,7 @@ pub enum SemError {
     /// Elements that touch without sharing nodes.
     #[error(
         "element {} has a side at ({}, {}, {}) m that no element shares, yet element {} touches it: a hanging node, or two blocks with nodes of their own; make the blocks' divisions equal and merge duplicate nodes (Gmsh: Coherence)",
-        elements[0], centre[0], centre[1], centre[2], elements[1]
+        elements[0], short(centre[0]), short(centre[1]), short(centre[2]), elements[1]
     )]
     SidesUnmatched {
         /// Elements, counted from 0.
@@ -260,8 +260,8 @@ pub enum SemError {
     },
     /// A named boundary inside the mesh.
     #[error(
-        "boundary `{name}` has a side of element {element} at ({}, {}, {}) m that lies inside the mesh: a boundary must be part of the surface",
-        centre[0], centre[1], centre[2]
+        "boundary `{name}` has a side of element {element} at ({}, {}, {}) m that lies inside the mesh: a boundary must be part of the surface; take the inner sides out of the group, or use no boundary of this name",
+        short(centre[0]), short(centre[1]), short(centre[2])
     )]
     BoundaryInside {
         /// Boundary.
@@ -282,8 +282,8 @@ pub enum SemError {
     /// A point outside the mesh.
     #[error(
         "the point ({}, {}, {}) m lies {distance:.3e} m outside the mesh, whose nearest point is ({}, {}, {}) m and which spans x {}…{}, y {}…{}, z {}…{} m: move the point or enlarge the mesh",
-        point[0], point[1], point[2], nearest[0], nearest[1], nearest[2],
-        min[0], max[0], min[1], max[1], min[2], max[2]
+        short(point[0]), short(point[1]), short(point[2]), short(nearest[0]), short(nearest[1]), short(nearest[2]),
+        short(min[0]), short(max[0]), short(min[1]), short(max[1]), short(min[2]), short(max[2])
     )]
     OutsideMesh {
         /// Point asked for, m.
@@ -299,8 +299,8 @@ pub enum SemError {
     },
     /// A place of the plan that a boundary does not cover.
     #[error(
-        "x = {x} m, y = {y} m lies {distance:.3e} m beside the boundary `{name}`, whose nearest point is ({}, {}, {}) m",
-        nearest[0], nearest[1], nearest[2]
+        "x = {} m, y = {} m lies {distance:.3e} m beside the boundary `{name}`, whose nearest point is ({}, {}, {}) m",
+        short(*x), short(*y), short(nearest[0]), short(nearest[1]), short(nearest[2])
     )]
     OutsideBoundary {
         /// Boundary.
@@ -363,4 +363,28 @@ pub enum SemError {
     /// From the step or the algebra.
     #[error(transparent)]
     Coupling(#[from] hati_coupling::CouplingError),
+}
+
+/// A coordinate with seven digits, without the zeros of a very large or small one.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.6e}").parse().unwrap_or(x);
+    match rounded.abs() {
+        0.0 => "0".to_owned(),
+        1e-4..1e9 => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_are_short() {
+        let point = [1.0 / 3.0, 1e-300, -12_345.678_912];
+        let (nearest, min, max) = ([0.1 + 0.2, 0.0, -0.0], [-1e300; 3], [2.0 / 3.0 * 1e8; 3]);
+        let text = SemError::OutsideMesh { point, distance: 1.0, nearest, min, max }.to_string();
+        assert!(text.contains("(0.3333333, 1e-300, -12345.68) m lies 1.000e0 m outside"), "{text}");
+        assert!(text.contains("point is (0.3, 0, 0) m") && text.contains("x -1e300…66666670,"), "{text}");
+    }
 }

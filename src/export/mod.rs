@@ -2,7 +2,7 @@
 //!
 //! | from | to |
 //! |---|---|
-//! | `stations.nc` | `PLACE.csv`: time and all motions of a place, SI, every digit |
+//! | `stations.nc` | `PLACE.csv`: time and all motions, strains and stresses of a place, SI, every digit |
 //! | | `PLACE.acceleration.mseed`, …: one file per place and motion, SI, 8-byte floats |
 //! | | `PLACE.acceleration.x.sac`, …: one file per trace, nm/s² (nm/s, nm), 4-byte floats |
 //! | `surface.nc`, `volume.nc`, `field.nc` | `surface.vtkhdf`, …: moving unstructured grids for ParaView 5.12 and later |

@@ -29,6 +29,8 @@ struct Series {
 struct Place {
     name: String,
     series: Vec<Series>,
+    /// Components of strain and stress: their columns and values. Neither miniSEED nor SAC has a place for them.
+    tensors: Vec<(String, Vec<f64>)>,
 }
 
 /// Content of `stations.nc`.
@@ -57,7 +59,7 @@ impl Stations {
         };
         let mut places = station_places(path, &file, time.len())?;
         places.extend(input_places(path, &file)?);
-        places.retain(|place| !place.series.is_empty());
+        places.retain(|place| !place.series.is_empty() || !place.tensors.is_empty());
         if let Some(wanted) = wanted {
             let known = places.iter().map(|place| place.name.clone()).collect();
             places.retain(|place| place.name == wanted);
@@ -98,13 +100,19 @@ impl Stations {
             let (_, motion, unit) = MOTIONS[series.motion];
             let _ = write!(text, ",{motion}_{}_{unit}", AXES[series.axis]);
         }
+        for (column, _) in &place.tensors {
+            let _ = write!(text, ",{column}");
+        }
         text.push('\n');
-        text.reserve(self.time.len() * (place.series.len() + 1) * 20);
+        text.reserve(self.time.len() * (place.series.len() + place.tensors.len() + 1) * 20);
         for (row, time) in self.time.iter().enumerate() {
             // The shortest text that gives the same number back.
             let _ = write!(text, "{time:?}");
             for series in &place.series {
                 let _ = write!(text, ",{:?}", series.samples[row]);
+            }
+            for (_, samples) in &place.tensors {
+                let _ = write!(text, ",{:?}", samples[row]);
             }
             text.push('\n');
         }
@@ -210,7 +218,8 @@ fn station_places(path: &Path, file: &netcdf::File, rows: usize) -> Result<Vec<P
     let missing = || ExportError::Layout { path: path.to_path_buf(), expected: "station_name".into() };
     let variable = file.variable("station_name").ok_or_else(missing)?;
     let names = names(&variable, count).map_err(super::fields::failed(path, "reading station_name"))?;
-    let mut places: Vec<Place> = names.into_iter().map(|name| Place { name, series: vec![] }).collect();
+    let mut places: Vec<Place> =
+        names.into_iter().map(|name| Place { name, series: vec![], tensors: vec![] }).collect();
     for (motion, (_, word, _)) in MOTIONS.iter().enumerate() {
         for (axis, letter) in AXES.iter().enumerate() {
             let name = format!("{word}_{letter}");
@@ -223,6 +232,21 @@ fn station_places(path: &Path, file: &netcdf::File, rows: usize) -> Result<Vec<P
                 // A station that lacks this component holds nothing but missing values.
                 if samples.iter().any(|v| !v.is_nan()) {
                     place.series.push(Series { motion, axis, samples });
+                }
+            }
+        }
+    }
+    for (tensor, unit) in [("strain", ""), ("stress", "_Pa")] {
+        for pair in ["xx", "yy", "zz", "xy", "yz", "xz"] {
+            let name = format!("{tensor}_{pair}");
+            if file.variable(&name).is_none() {
+                continue;
+            }
+            let values = super::fields::doubles(path, file, &name)?;
+            for (station, place) in places.iter_mut().enumerate() {
+                let samples: Vec<f64> = (0..rows).map(|row| values[row * count + station]).collect();
+                if samples.iter().any(|v| !v.is_nan()) {
+                    place.tensors.push((format!("{name}{unit}"), samples));
                 }
             }
         }
@@ -254,7 +278,7 @@ fn input_places(path: &Path, file: &netcdf::File) -> Result<Vec<Place>, ExportEr
         let series = Series { motion, axis, samples: super::fields::doubles(path, file, &name)? };
         match places.iter_mut().find(|p| p.name == place) {
             Some(known) => known.series.push(series),
-            None => places.push(Place { name: place, series: vec![series] }),
+            None => places.push(Place { name: place, series: vec![series], tensors: vec![] }),
         }
     }
     places.iter_mut().for_each(|p| p.series.sort_by_key(|s| (s.motion, s.axis)));

@@ -4,6 +4,7 @@ use super::files::axes;
 use super::mesh::PlannedBoundary;
 use super::picture::picture;
 use super::plan::VolumePlan;
+use super::stations::MOTIONS;
 use crate::outputs::OutputError;
 use crate::report::wave::{KeyNumber, SurfaceMotion, WavePage, write_wave_report};
 use crate::results::{AXES, LedgerRow, Trace};
@@ -40,14 +41,22 @@ pub(super) fn traces(plan: &VolumePlan, out: &Path) -> Result<Vec<Trace>, Output
         let read = |motion: &str| column(&format!("{motion}_{}", AXES[axis]));
         let (u, v, a) = (read("displacement")?, read("velocity")?, read("acceleration")?);
         for (number, sensor) in plan.sensors.iter().enumerate() {
-            let of = |all: &[f64]| all.iter().skip(number).step_by(stations).copied().collect();
+            // a motion that was not asked for holds missing values only
+            let asked = MOTIONS.map(|m| sensor.quantities.contains(&m));
+            let of = |motion: usize, all: &[f64]| match asked[motion] {
+                true => all.iter().skip(number).step_by(stations).copied().collect(),
+                false => vec![],
+            };
+            if asked == [false; 3] {
+                continue;
+            }
             traces.push(Trace {
                 place: sensor.name.clone(),
                 depth: None,
                 axis,
-                acceleration: of(&a),
-                velocity: of(&v),
-                displacement: of(&u),
+                acceleration: of(2, &a),
+                velocity: of(1, &v),
+                displacement: of(0, &u),
             });
         }
     }

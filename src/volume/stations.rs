@@ -22,6 +22,10 @@ pub(super) struct Stations {
     rows: usize,
 }
 
+/// The motions in the order of the rows.
+pub(super) const MOTIONS: [OutputQuantity; 3] =
+    [OutputQuantity::Displacement, OutputQuantity::Velocity, OutputQuantity::Acceleration];
+
 impl Stations {
     /// Creates the file, or goes on with that of a checkpoint.
     pub(super) fn open<T: Real>(
@@ -100,9 +104,11 @@ impl Stations {
                 self.watch.at(&sensor.probe, self.firsts[number]);
             let all = [displacement, velocity, acceleration];
             for (motion, values) in all.iter().enumerate() {
+                let asked = sensor.quantities.contains(&MOTIONS[motion]);
                 for (slot, &axis) in axes.iter().enumerate() {
                     finite &= values[axis].is_finite();
-                    self.row[(motion * axes.len() + slot) * count + number] = values[axis];
+                    self.row[(motion * axes.len() + slot) * count + number] =
+                        if asked { values[axis] } else { f64::NAN };
                 }
             }
             let mut variable = 3 * axes.len();

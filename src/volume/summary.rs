@@ -44,6 +44,7 @@ pub(super) fn summary(
         "outputs": outputs(plan),
         "warnings": plan.warnings,
         "results": results(plan, traces),
+        // tests/cli/volume.rs, `a_run_leaves_its_files_and_threads_change_no_bit`, and sem/tests/solid/parity.rs hold it
         "same_bits_for_any_thread_count": true,
     })
 }
@@ -63,13 +64,20 @@ fn outputs(plan: &VolumePlan) -> Vec<&'static str> {
 fn results(plan: &VolumePlan, traces: &[Trace]) -> Value {
     let mut places = serde_json::Map::new();
     let lowest = plan.frequencies.damping_band().0;
-    for t in traces.iter().filter(|t| t.acceleration.len() > 1) {
-        let measures = measures_json(&Measures::of(&t.acceleration, plan.sampling.sample_dt(), lowest));
+    for t in traces {
         let entry = places.entry(t.place.clone()).or_insert_with(|| json!({}));
-        entry[AXES[t.axis].to_string()] = measures;
+        let entry = &mut entry[AXES[t.axis].to_string()];
+        *entry = json!({});
+        if t.acceleration.len() > 1 {
+            *entry = measures_json(&Measures::of(&t.acceleration, plan.sampling.sample_dt(), lowest));
+        }
+        // only what the station was asked for is there
         let peak = |x: &[f64]| x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        entry[AXES[t.axis].to_string()]["pgv"] = json!(peak(&t.velocity));
-        entry[AXES[t.axis].to_string()]["pgd"] = json!(peak(&t.displacement));
+        for (key, motion) in [("pgv", &t.velocity), ("pgd", &t.displacement)] {
+            if !motion.is_empty() {
+                entry[key] = json!(peak(motion));
+            }
+        }
     }
     for sensor in &plan.sensors {
         if let Some(entry) = places.get_mut(&sensor.name) {

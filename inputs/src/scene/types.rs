@@ -8,8 +8,8 @@ use crate::records::{ResponseMode, Unit};
 
 use super::load::Source;
 use super::volume::{
-    Checkpoint, Domain, FieldOutput, Material, MemoryVariables, OutputQuantity, POINTS_TO, Precision, Run,
-    SourceEntry, SurfaceOutput, VolumeOutput,
+    Checkpoint, Domain, FieldOutput, Material, MemoryVariables, OutputQuantity, POINTS_TO, Precision,
+    RHO_FROM, RHO_TO, Run, SIZE_FROM, SourceEntry, SurfaceOutput, VolumeOutput,
 };
 use super::wavelet::Wavelet;
 
@@ -284,7 +284,7 @@ pub struct Layer {
     #[schemars(extend("x-default" = "`layer 1`, `layer 2`, …"))]
     pub name: Option<String>,
     /// Thickness.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = THICKNESS_TO, "x-unit" = "m"))]
+    #[schemars(extend("minimum" = SIZE_FROM, "maximum" = THICKNESS_TO, "x-unit" = "m"))]
     pub thickness: f64,
     /// Speed of shear waves at the reference frequency; at most vp/√2.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = VS_TO, "x-unit" = "m/s"))]
@@ -298,7 +298,7 @@ pub struct Layer {
     #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 0.5, "x-unit" = "1", "x-default" = "0.25, or from `vp`"))]
     pub nu: Option<f64>,
     /// Density.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "kg/m³"))]
+    #[schemars(extend("minimum" = RHO_FROM, "maximum" = RHO_TO, "x-unit" = "kg/m³"))]
     pub rho: f64,
     /// Damping ratio D = Im G/(2 Re G) of shear waves, constant over the band. Give `damping` or `q`, not both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -329,7 +329,7 @@ pub enum Base {
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = VS_TO, "x-unit" = "m/s"))]
         vs: f64,
         /// Density.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "kg/m³"))]
+        #[schemars(extend("minimum" = RHO_FROM, "maximum" = RHO_TO, "x-unit" = "kg/m³"))]
         rho: f64,
         /// Poisson's ratio; 0.25 where neither `nu` nor `vp` is given. The vp that follows is at most 20000 m/s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -359,7 +359,7 @@ pub struct Discretisation {
     pub elements: Auto<Vec<usize>>,
     /// Horizontal size of the elements of a box; it is made a little smaller where the box asks for it.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m"))]
+    #[schemars(extend("minimum" = SIZE_FROM, "x-unit" = "m"))]
     pub element_size: Auto<f64>,
     /// Points of the elements to the shortest wavelength, vs/f_max, that the sizes are chosen for; with `domain` only.
     #[serde(default)]

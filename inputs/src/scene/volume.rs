@@ -13,6 +13,13 @@ use super::types::{Auto, DAMPING_TO, Q_FROM, VP_TO, VS_TO};
 pub(super) const COORDINATE_TO: f64 = 1e8;
 /// Longest run, s.
 pub(super) const DURATION_TO: f64 = 1e6;
+/// Longest wall time between checkpoints, s: thirty years.
+pub(super) const CHECKPOINT_TO: f64 = 1e9;
+/// Least size of a domain, a layer or an element, m.
+pub(super) const SIZE_FROM: f64 = 1e-6;
+/// Densities, kg/m³: a gas has 1, osmium 22 600.
+pub(super) const RHO_FROM: f64 = 1e-3;
+pub(super) const RHO_TO: f64 = 1e5;
 /// Most points to a wavelength.
 pub(super) const POINTS_TO: f64 = 100.0;
 /// Most materials, sources and stations.
@@ -35,7 +42,7 @@ pub struct Domain {
     pub y: Option<[f64; 2]>,
     /// Depth of the box under z = 0: where it is below the layers, the elastic base's material continues down to it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = COORDINATE_TO, "x-unit" = "m", "x-default" = "the sum of the layers"))]
+    #[schemars(extend("minimum" = SIZE_FROM, "maximum" = COORDINATE_TO, "x-unit" = "m", "x-default" = "the sum of the layers"))]
     pub depth: Option<f64>,
     /// Path of a text file with the height of the surface above z = 0, in metres, on a regular grid that covers the
     /// box: lines `x y z`, or `x z` at dimension 2, in any order, between blanks or commas; `#` begins a comment.
@@ -91,7 +98,7 @@ pub struct Material {
     #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 0.5, "x-unit" = "1", "x-default" = "0.25, or from `vp`"))]
     pub nu: Option<f64>,
     /// Density.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "kg/m³"))]
+    #[schemars(extend("minimum" = RHO_FROM, "maximum" = RHO_TO, "x-unit" = "kg/m³"))]
     pub rho: f64,
     /// Damping ratio D = Im G/(2 Re G) of shear waves, constant over the band. Give `damping` or `q`, not both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -254,9 +261,9 @@ pub struct SurfaceOutput {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "s"))]
     pub dt: Auto<f64>,
-    /// Quantities that are written.
+    /// Quantities that are written: displacement, velocity, acceleration; strain and stress are those of stations.
     #[serde(default = "velocity")]
-    #[schemars(extend("minItems" = 1))]
+    #[schemars(extend("minItems" = 1), transform = motions_only)]
     pub quantities: Vec<OutputQuantity>,
 }
 
@@ -272,9 +279,9 @@ pub struct VolumeOutput {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "s"))]
     pub dt: Auto<f64>,
-    /// Quantities that are written.
+    /// Quantities that are written: displacement, velocity, acceleration; strain and stress are those of stations.
     #[serde(default = "velocity")]
-    #[schemars(extend("minItems" = 1))]
+    #[schemars(extend("minItems" = 1), transform = motions_only)]
     pub quantities: Vec<OutputQuantity>,
 }
 
@@ -290,9 +297,9 @@ pub struct FieldOutput {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "s"))]
     pub dt: Auto<f64>,
-    /// Quantities that are written.
+    /// Quantities that are written: displacement, velocity, acceleration; strain and stress are those of stations.
     #[serde(default = "velocity")]
-    #[schemars(extend("minItems" = 1))]
+    #[schemars(extend("minItems" = 1), transform = motions_only)]
     pub quantities: Vec<OutputQuantity>,
     /// Least and greatest x of the grid; with the same number twice a plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -314,8 +321,15 @@ pub struct FieldOutput {
 pub struct Checkpoint {
     /// Wall time between two checkpoints.
     #[serde(default)]
-    #[schemars(extend("minimum" = 1.0, "x-unit" = "s"))]
+    #[schemars(extend("minimum" = 1.0, "maximum" = CHECKPOINT_TO, "x-unit" = "s"))]
     pub every: Auto<f64>,
+}
+
+/// Leaves strain and stress out of the words of a list.
+fn motions_only(schema: &mut schemars::Schema) {
+    let motions =
+        serde_json::json!({ "type": "string", "enum": ["displacement", "velocity", "acceleration"] });
+    schema.insert("items".to_owned(), motions);
 }
 
 pub(super) fn top() -> String {

@@ -28,7 +28,7 @@ pub(super) use wave_maps::{distance_time, peak_maps, snapshots};
 use super::measure::TraceMeasures;
 use super::place::{self, Drawn};
 use super::svg::Figure;
-use crate::results::{AXES, SiteResponse};
+use crate::results::{AXES, SiteResponse, Trace};
 
 /// Standard gravity, m/s².
 pub(super) const GRAVITY: f64 = 9.806_65;
@@ -67,7 +67,8 @@ impl Traces<'_> {
     }
 
     fn longest(&self) -> usize {
-        self.drawn.iter().map(|d| d.trace.acceleration.len()).max().unwrap_or(0)
+        let longest = |t: &Trace| t.acceleration.len().max(t.velocity.len()).max(t.displacement.len());
+        self.drawn.iter().map(|d| longest(d.trace)).max().unwrap_or(0)
     }
 
     /// From the first sample to one step after the last, s.

@@ -6,7 +6,7 @@ use super::super::diagnostic::{listed, nearest, plain, rounded};
 use super::super::document::{Node, Value, join};
 use super::super::files;
 use super::super::topography::Topography;
-use super::super::volume::{BoundaryKind, COORDINATE_TO, Domain};
+use super::super::volume::{BoundaryKind, COORDINATE_TO, Domain, SIZE_FROM};
 use super::reader::{Bounds, Checker, Place, Section};
 
 /// The section, and what other sections are checked against; `None` where it could not be read.
@@ -30,7 +30,7 @@ pub(super) struct Read {
 }
 
 pub(super) const COORDINATE: Bounds = Bounds::between(-COORDINATE_TO, COORDINATE_TO, "m");
-const DEPTH: Bounds = Bounds { to: Some(COORDINATE_TO), ..Bounds::positive("m") };
+const DEPTH: Bounds = Bounds::between(SIZE_FROM, COORDINATE_TO, "m");
 
 pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>) -> Read {
     let mut read = Read { given: top.get("domain").is_some(), ..Read::default() };
@@ -116,6 +116,11 @@ pub(super) fn range(
 ) -> Option<Option<[f64; 2]>> {
     let Some(node) = s.get(key) else { return Some(None) };
     let [from, to] = cx.numbers::<2>(node, s.at(key), &COORDINATE)?;
+    if from < to && to - from < SIZE_FROM && !flat {
+        let message = format!("{key} spans less than {} m", plain(SIZE_FROM));
+        cx.error(s.at(key), message, "give the least and the greatest coordinate in metres");
+        return None;
+    }
     if from < to || (flat && from <= to) {
         return Some(Some([from, to]));
     }

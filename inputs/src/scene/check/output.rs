@@ -10,7 +10,7 @@ use super::super::types::{
     TAIL_TO,
 };
 use super::super::values::Words;
-use super::super::volume::{MemoryVariables, POINTS_TO, Precision};
+use super::super::volume::{MemoryVariables, POINTS_TO, Precision, SIZE_FROM};
 use super::domain;
 use super::domain::coordinates;
 use super::motion::MAX_SAMPLES;
@@ -32,7 +32,7 @@ pub(super) fn discretisation(
     let order = cx.auto_whole(s, "order", 1, 10);
     let blocks = layer_count.map(|layers| layers + usize::from(domain.continued));
     let elements = elements(cx, s, blocks, domain.continued);
-    let element_size = cx.auto_number(s, "element_size", &Bounds::positive("m"));
+    let element_size = cx.auto_number(s, "element_size", &Bounds::at_least(SIZE_FROM, "m"));
     let bounds = Bounds::between(2.0, POINTS_TO, "");
     let points_per_wavelength = cx.auto_number(s, "points_per_wavelength", &bounds);
     let f_max = cx.auto_number(s, "f_max", &Bounds::positive("Hz"));

@@ -6,7 +6,7 @@ use super::super::types::{
     Base, DAMPING_TO, DEFAULT_NU, LAYERS_TO, Layer, Q_FROM, Soil, THICKNESS_TO, VP_TO, VS_TO,
 };
 use super::super::values::{nu_from_speeds, vp_from_nu};
-use super::super::volume::{ENTRIES_TO, Material};
+use super::super::volume::{ENTRIES_TO, Material, RHO_FROM, RHO_TO, SIZE_FROM};
 use super::super::volume_values::BASE;
 use super::domain;
 use super::reader::{Bounds, Checker, Entries, Place, Section};
@@ -30,7 +30,8 @@ const DAMPING: Bounds = Bounds::between(0.0, DAMPING_TO, "");
 const Q: Bounds = Bounds::at_least(Q_FROM, "");
 const VS: Bounds = Bounds { to: Some(VS_TO), ..Bounds::positive("m/s") };
 const VP: Bounds = Bounds { to: Some(VP_TO), ..Bounds::positive("m/s") };
-const THICKNESS: Bounds = Bounds { to: Some(THICKNESS_TO), ..Bounds::positive("m") };
+const THICKNESS: Bounds = Bounds::between(SIZE_FROM, THICKNESS_TO, "m");
+const RHO: Bounds = Bounds::between(RHO_FROM, RHO_TO, "kg/m³");
 
 pub(super) fn read(cx: &mut Checker<'_>, top: &mut Section<'_>, domain: &domain::Read) -> Read {
     if top.get("soil").is_none() {
@@ -287,7 +288,7 @@ struct Medium {
 
 fn medium(cx: &mut Checker<'_>, s: &mut Section<'_>) -> Option<Medium> {
     let vs = cx.required_number(s, "vs", &VS);
-    let rho = cx.required_number(s, "rho", &Bounds::positive("kg/m³"));
+    let rho = cx.required_number(s, "rho", &RHO);
     let vp = cx.number(s, "vp", &VP);
     let nu = cx.number(s, "nu", &NU);
     let one = cx.only_one(s, "vp", "nu", "the other follows from vs");

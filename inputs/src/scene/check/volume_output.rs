@@ -4,7 +4,7 @@ use super::super::diagnostic::{listed, nearest};
 use super::super::document::Value;
 use super::super::types::{Auto, Output};
 use super::super::volume::{
-    Checkpoint, FieldOutput, OutputQuantity, SurfaceOutput, VolumeOutput, top, velocity,
+    CHECKPOINT_TO, Checkpoint, FieldOutput, OutputQuantity, SurfaceOutput, VolumeOutput, top, velocity,
 };
 use super::domain;
 use super::reader::{Bounds, Checker, Place, Section};
@@ -23,7 +23,7 @@ pub(super) fn read(
     let volume = part(cx, s, "volume", |cx, s| volume(cx, s, materials));
     let field = part(cx, s, "field", |cx, s| field(cx, s, domain));
     let checkpoint = part(cx, s, "checkpoint", |cx, s| {
-        Some(Checkpoint { every: cx.auto_number(s, "every", &Bounds::at_least(1.0, "s"))? })
+        Some(Checkpoint { every: cx.auto_number(s, "every", &Bounds::between(1.0, CHECKPOINT_TO, "s"))? })
     });
     let vtkhdf = cx.flag(s, "vtkhdf");
     Some(Output {
@@ -87,7 +87,16 @@ pub(super) fn quantities(cx: &mut Checker<'_>, s: &mut Section<'_>) -> Option<Op
 /// `dt` and `quantities` of a surface, a volume or a field.
 fn states(cx: &mut Checker<'_>, s: &mut Section<'_>) -> (Option<Auto<f64>>, Option<Vec<OutputQuantity>>) {
     let dt = cx.auto_number(s, "dt", &Bounds::positive("s"));
-    (dt, quantities(cx, s).map(|given| given.unwrap_or_else(velocity)))
+    let given = quantities(cx, s);
+    let tensor = |q: &&OutputQuantity| **q >= OutputQuantity::Strain;
+    if let Some(tensor) = given.iter().flatten().flatten().find(tensor) {
+        let message = format!("\"{}\" is written at stations only", tensor.as_str());
+        let help =
+            "take it out; for strain or stress give [[output.stations]] with quantities = [\"strain\"]";
+        cx.error(s.at("quantities"), message, help);
+        return (dt, None);
+    }
+    (dt, given.map(|given| given.unwrap_or_else(velocity)))
 }
 
 fn surface(cx: &mut Checker<'_>, s: &mut Section<'_>, domain: &domain::Read) -> Option<SurfaceOutput> {
