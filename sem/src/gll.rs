@@ -80,6 +80,24 @@ impl Gll {
     }
 }
 
+/// Points and weights of the Gauss–Legendre rule of `count` points on [−1, 1], exact to degree 2 `count` − 1.
+pub fn gauss(count: usize) -> Vec<(f64, f64)> {
+    let root = |i: usize| {
+        // Tricomi's estimate of the zero of P_n, then Newton
+        let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
+        for _ in 0..50 {
+            let (p, dp) = legendre(count, x);
+            x -= p / dp;
+            if (p / dp).abs() < 1e-16 {
+                break;
+            }
+        }
+        let slope = legendre(count, x).1;
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..count).map(root).collect()
+}
+
 /// Legendre polynomial and its derivative at x.
 fn legendre(order: usize, x: f64) -> (f64, f64) {
     let (mut p, mut before) = (1.0, 0.0);
@@ -135,6 +153,20 @@ mod tests {
             }
             let beyond = 2 * order as i32;
             assert!((integral(beyond) - 2.0 / (beyond + 1) as f64).abs() > 1e-8, "order {order}");
+        }
+    }
+
+    #[test]
+    fn gauss_is_exact_to_degree_2n_minus_1_and_not_beyond() {
+        for count in 1..=16 {
+            let rule = gauss(count);
+            let integral = |degree: i32| -> f64 { rule.iter().map(|(x, w)| w * x.powi(degree)).sum() };
+            for degree in 0..2 * count as i32 {
+                let exact = if degree % 2 == 0 { 2.0 / f64::from(degree + 1) } else { 0.0 };
+                assert!((integral(degree) - exact).abs() < 4e-15, "{count} points, degree {degree}");
+            }
+            let beyond = 2 * count as i32;
+            assert!((integral(beyond) - 2.0 / f64::from(beyond + 1)).abs() > 1e-10, "{count} points");
         }
     }
 

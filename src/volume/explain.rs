@@ -93,7 +93,8 @@ impl VolumePlan {
             json!(f.f_max),
         );
         let order = self.resolution.order;
-        let why = "waves of 1e-2 to 1e-3 cost least near this order";
+        let why =
+            "at 1e-2 within a factor two to three of the cheapest order, and its elements fit thinner layers";
         told.add("discretisation.order", order.to_string(), d.order.is_auto(), why, json!(order));
         let points = self.resolution.points_per_wavelength;
         let (auto, key) = (d.points_per_wavelength.is_auto(), "discretisation.points_per_wavelength");

@@ -97,11 +97,12 @@ pub fn points_per_wavelength(
 
 /// Points per wavelength at `f_max` that a source near the free surface asks for.
 ///
-/// Measured on Lamb's problem, N = 4 and 5 (`docs/src/solid.md`): relative error of the acceleration
-/// $1.2\cdot10^{-2}\,(5.07/p)^{6.5}$, far above what plane waves tell and the same for both orders. It may take
-/// 0.7 of the accuracy, since time has its own error.
-pub fn points_of_surface_source(accuracy: f64) -> f64 {
-    5.07 * (1.2e-2 / (0.7 * accuracy)).powf(1.0 / 6.5)
+/// Measured on Lamb's problem, N = 4 and 5 (`docs/src/solid.md`), with p counted at `f_half`: relative error of the
+/// acceleration $1.2\cdot10^{-2}\,(8.55/p)^{6.5}$, far above what plane waves tell and much the same for both orders.
+/// It may take 0.7 of the accuracy, since time has its own error.
+pub fn points_of_surface_source(accuracy: f64, frequencies: &Frequencies) -> f64 {
+    let at_half = 8.55 * (1.2e-2 / (0.7 * accuracy)).powf(1.0 / 6.5);
+    (at_half * frequencies.f_half / frequencies.f_max).max(POINTS_FLOOR)
 }
 
 /// Whether a source stands within `depth` of the free surface: of a box that of its heights, of a mesh its highest point.
@@ -167,7 +168,7 @@ pub fn points(
     let mut of = vec![];
     for (number, m) in materials.iter().enumerate() {
         let near = shallow && tops.get(number).is_none_or(|top| *top < shortest);
-        let floor = if near { points_of_surface_source(scene.accuracy) } else { POINTS_FLOOR };
+        let floor = if near { points_of_surface_source(scene.accuracy, frequencies) } else { POINTS_FLOOR };
         let points = match d.points_per_wavelength {
             Auto::Value(points) => points,
             Auto::Auto => {

@@ -1,6 +1,7 @@
 //! What a solid consists of, before precision, step and order in memory are chosen.
 
 use super::geometry::point;
+use super::held::{BoundaryPlane, Held};
 use super::material::Material;
 use super::memory::{Distribution, Memory, PointLaw};
 use crate::SemError;
@@ -8,6 +9,7 @@ use crate::gll::Gll;
 use crate::mesh::{Locator, Mesh, Side, determinant, inverse};
 use crate::numbering::Numbering;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// What holds a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,8 +34,8 @@ pub enum Support {
 pub struct Load {
     /// Point and force per unit amplitude.
     pub forces: Vec<(u32, [f64; 3])>,
-    /// Amplitude at the kicks, $t = n\Delta t$; zero afterwards.
-    pub amplitude: Vec<f64>,
+    /// Amplitude at the kicks, $t = n\Delta t$; zero afterwards. Loads of one time function share it.
+    pub amplitude: Arc<Vec<f64>>,
 }
 
 /// A place where the field is looked at: the element's interpolation there.
@@ -47,15 +49,6 @@ pub struct Probe {
     pub position: [f64; 3],
     /// Points and weights.
     pub weights: Vec<(u32, f64)>,
-}
-
-/// Supports of one point.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Held {
-    /// Directions along which it does not move, orthonormal.
-    pub directions: Vec<[f64; 3]>,
-    /// Dashpot to the ground, N·s/m.
-    pub dashpot: [[f64; 3]; 3],
 }
 
 /// Mesh, materials, supports and loads of a solid, D = 2 or 3.
@@ -168,14 +161,22 @@ impl Ground {
 
     /// Holds a boundary. At points of several boundaries all supports act; [`Support::Free`] adds nothing.
     ///
+    /// A plane of symmetry or antisymmetry has one normal, the mean of its sides' ([`Self::boundary_plane`]), where
+    /// theirs differ by no more than [`super::FLAT`]: round-off in coordinates is no second direction to hold.
+    ///
     /// Errors: no boundary of that name.
     pub fn support(&mut self, boundary: &str, support: Support) -> Result<(), SemError> {
         let sides = self.sides(boundary)?;
+        let plane = match support {
+            Support::Symmetry | Support::Antisymmetry => Some(self.boundary_plane(boundary)?),
+            _ => None,
+        };
+        let mean = plane.filter(BoundaryPlane::is_flat).map(|p| p.normal);
         for side in sides {
             let material = self.material(side.element as usize).clone();
             for (node, area) in self.side_areas(side) {
                 let size = norm(area);
-                let n = area.map(|a| a / size);
+                let n = mean.unwrap_or_else(|| area.map(|a| a / size));
                 let held = match support {
                     Support::Free => continue,
                     _ => self.held.entry(node).or_default(),
@@ -185,9 +186,7 @@ impl Ground {
                         (0..3).for_each(|c| held.hold(std::array::from_fn(|x| f64::from(x == c))));
                     }
                     Support::Symmetry => held.hold(n),
-                    Support::Antisymmetry => (0..3).for_each(|c| {
-                        held.hold(std::array::from_fn(|x| f64::from(x == c) - n[c] * n[x]));
-                    }),
+                    Support::Antisymmetry => held.hold_across(n),
                     _ => {
                         let (across, along) = (material.rho * material.vp, material.rho * material.vs);
                         for (i, row) in held.dashpot.iter_mut().enumerate() {
@@ -211,9 +210,23 @@ impl Ground {
         }
     }
 
-    /// Adds a load; see [`Self::point_force`], [`Self::moment`], [`Self::traction`].
+    /// Adds a load; see [`Self::point_force`], [`Self::moment`], [`Self::traction`], [`Self::gaussian`].
     pub fn add_load(&mut self, forces: Vec<(u32, [f64; 3])>, amplitude: Vec<f64>) {
+        self.add_shared_load(forces, Arc::new(amplitude));
+    }
+
+    /// Adds a load whose amplitude others may share.
+    pub fn add_shared_load(&mut self, forces: Vec<(u32, [f64; 3])>, amplitude: Arc<Vec<f64>>) {
         self.loads.push(Load { forces, amplitude });
+    }
+
+    /// Bytes of the loads, an amplitude that several share counted once.
+    pub fn load_bytes(&self) -> usize {
+        let mut amplitudes: Vec<&Arc<Vec<f64>>> = self.loads.iter().map(|l| &l.amplitude).collect();
+        amplitudes.sort_unstable_by_key(|a| Arc::as_ptr(a));
+        amplitudes.dedup_by(|a, b| Arc::ptr_eq(a, b));
+        let forces: usize = self.loads.iter().map(|l| l.forces.len()).sum();
+        amplitudes.iter().map(|a| 8 * a.len()).sum::<usize>() + forces * size_of::<(u32, [f64; 3])>()
     }
 
     /// Adds an interface: points whose three components are its freedoms; returns its number.
@@ -297,6 +310,8 @@ impl Ground {
     }
 
     /// Forces of a traction field on a boundary, Pa: $f_i = \int t(x)\,\ell_i\,dA$ by the side's GLL rule.
+    ///
+    /// For fields that the basis resolves; one of any width is [`Self::gaussian`].
     pub fn traction(
         &self,
         boundary: &str,
@@ -315,7 +330,7 @@ impl Ground {
         Ok(sum.into_iter().filter(|(_, f)| *f != [0.0; 3]).collect())
     }
 
-    fn sides(&self, boundary: &str) -> Result<Vec<Side>, SemError> {
+    pub(super) fn sides(&self, boundary: &str) -> Result<Vec<Side>, SemError> {
         let known = || self.mesh.boundaries.iter().map(|b| b.name.clone()).collect();
         let found = self.mesh.boundary(boundary);
         let found = found.ok_or_else(|| SemError::NoBoundary { name: boundary.into(), known: known() })?;
@@ -333,6 +348,12 @@ impl Ground {
         points.sort_unstable();
         points.dedup();
         Ok(points)
+    }
+
+    /// Local coordinates of a side's points, in the order of [`Self::side_areas`].
+    pub(super) fn side_locals(&self, side: Side) -> Vec<[f64; 3]> {
+        let points = self.numbering.side_points(side.side);
+        points.into_iter().map(|p| point(&self.gll, self.mesh.dimension, p).0).collect()
     }
 
     /// Points of a side with their outward area vectors, quadrature weight included, m² (m at D = 2).
@@ -391,21 +412,6 @@ impl Ground {
     pub fn limiting_element(&self) -> usize {
         let rates: Vec<f64> = (0..self.mesh.len()).map(|e| self.rate(e)).collect();
         (0..rates.len()).max_by(|&a, &b| rates[a].total_cmp(&rates[b])).unwrap_or(0)
-    }
-}
-
-impl Held {
-    /// Adds a direction unless it is held already.
-    fn hold(&mut self, direction: [f64; 3]) {
-        let mut rest = direction;
-        for held in &self.directions {
-            let along: f64 = (0..3).map(|i| rest[i] * held[i]).sum();
-            (0..3).for_each(|i| rest[i] -= along * held[i]);
-        }
-        let length = norm(rest);
-        if length > 1e-6 {
-            self.directions.push(rest.map(|x| x / length));
-        }
     }
 }
 

@@ -1,13 +1,15 @@
 //! Everything about a solid that does not change while it steps, in one precision.
 
-use super::ground::{Ground, Held};
+use super::ground::Ground;
+use super::held::Held;
 use super::laws::ARM_NUMBERS;
 use super::layout::{Layout, NO_ELEMENT};
 use super::memory::PointLaw;
 use super::real::Real;
 use crate::aligned::Aligned;
 use crate::gll::Gll;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
+use std::sync::Arc;
 
 /// Lamé's moduli, `[batch][class][lane]`, Pa.
 #[derive(Debug, Clone)]
@@ -37,7 +39,7 @@ pub(super) struct HeldKick {
 #[derive(Debug, Clone)]
 pub(super) struct SpecialLoad {
     pub forces: Vec<(u32, [f64; 3])>,
-    pub amplitude: Vec<f64>,
+    pub amplitude: Arc<Vec<f64>>,
 }
 
 /// Constants of a solid.
@@ -140,7 +142,7 @@ impl<T: Real> Model<T> {
         self.loads = (ground.loads.iter())
             .map(|load| SpecialLoad {
                 forces: load.forces.iter().map(|&(p, f)| (place(p) as u32, f)).collect(),
-                amplitude: load.amplitude.clone(),
+                amplitude: Arc::clone(&load.amplitude),
             })
             .collect();
         self.interfaces = (ground.interfaces.iter())
@@ -236,11 +238,7 @@ fn arm_lanes<T: Real>(ground: &Ground, layout: &Layout, dt: f64) -> Aligned<T> {
 /// Half-implicit dashpots and supports of one point: with P the projection onto what is free,
 /// $v^+ = A^{-1}[(m - \tfrac{\Delta t}{2}PCP)v + \Delta t\,Pf]$, $A = m + \tfrac{\Delta t}{2}PCP$.
 fn held_kick(held: &Held, mass: f64, dt: f64) -> HeldKick {
-    let mut free = Matrix3::identity();
-    for n in &held.directions {
-        let n = Vector3::from(*n);
-        free -= n * n.transpose();
-    }
+    let free = held.free();
     let dashpot = Matrix3::from_fn(|i, j| held.dashpot[i][j]);
     let c = 0.5 * dt * free * dashpot * free;
     let m = Matrix3::from_diagonal_element(mass);

@@ -1,6 +1,8 @@
 //! The solid of D = 2 and 3 against its reference and its own invariants.
 
 mod gauge;
+mod gaussian;
+mod held;
 mod ledger;
 mod parity;
 mod planes;
