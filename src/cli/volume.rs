@@ -142,7 +142,9 @@ fn text(summary: &Value) -> String {
         let of = |axis: &str| axes.pointer(&format!("/{axis}/pga")).and_then(Value::as_f64);
         let peaks: Vec<String> =
             ["x", "y", "z"].iter().filter_map(|c| Some(format!("{c} {:.4e}", of(c)?))).collect();
-        let _ = writeln!(text, "  PGA {place}: {} m/s²", peaks.join(", "));
+        if !peaks.is_empty() {
+            let _ = writeln!(text, "  PGA {place}: {} m/s²", peaks.join(", "));
+        }
     }
     text
 }
