@@ -245,17 +245,17 @@ impl VolumePlan {
             ground,
         };
         plan.metrics = plan.count_metrics();
-        plan.choose_precision(asked, &signals, time);
+        plan.choose_precision(asked, &signals);
         let facts = Facts { points_why, points_alike: points.is_uniform(), sizes: made.sizes, time };
         plan.explain(scene, &facts, notes);
         Ok(plan)
     }
 
     /// Chooses the precision from what is written and how slow the sources are.
-    fn choose_precision(&mut self, asked: Auto<Precision>, signals: &[Signal], time: f64) {
-        let (dt, dt_critical) = (self.sampling.dt, self.dt_critical);
+    fn choose_precision(&mut self, asked: Auto<Precision>, signals: &[Signal]) {
+        let dt_critical = self.dt_critical;
         let Some(curvature) = rounding::curvature(signals, &self.sampling) else { return };
-        let noise = rounding::noise(Precision::F32, curvature, dt, dt_critical, time);
+        let noise = rounding::noise(Precision::F32, curvature, self.sampling.steps(), dt_critical);
         let ratio = 0.5 * curvature.sqrt() * dt_critical;
         let fields = [
             self.volume.as_ref().map_or(&[][..], |v| &v.motions),
