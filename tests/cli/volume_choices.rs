@@ -99,7 +99,6 @@ version = 1
 [domain]
 dimension = 2
 x = [0.0, 262.0]
-depth = 5.0
 [domain.boundary]
 x_min = "free"
 bottom = "free"
@@ -217,7 +216,7 @@ position = [11.0, -7.0]
 force = [0.0, 0.0, 1e6]
 wavelet = { kind = "ricker", frequency = 5.0, time = 0.2 }
 [run]
-duration = 0.1
+duration = 0.4
 [output]
 stations = [{ name = "a", position = [21.0, -3.0] }]
 "#;
