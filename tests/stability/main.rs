@@ -15,7 +15,7 @@ fn stable_below_the_computed_step_and_unstable_above_it() {
 #[test]
 fn the_solid_is_stable_below_its_step_and_unstable_above_it() {
     let checks = verify(&|name| name == "solid-step-bound", false, &mut |_| ()).unwrap();
-    assert_eq!(checks.len(), 280);
+    assert_eq!(checks.len(), 416);
     let failed: Vec<String> = checks.iter().filter(|c| !c.pass).map(ToString::to_string).collect();
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
