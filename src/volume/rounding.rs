@@ -42,13 +42,9 @@ pub fn curvature(signals: &[Signal], sampling: &Sampling) -> Option<f64> {
 /// - `steps`: n of the run, for displacement is rounded as long as it lasts.
 /// - Measured, f32 against f64 at the same step, c for the largest difference at a station over the peak there:
 ///   0.06 and 0.66 for a force in an elastic box at steps of 0.26, 0.13, 0.07 and 0.03 of the critical one (0.07 and
-/// - `steps`: n of the run, for displacement is rounded as long as it lasts.
-/// - Measured, f32 against f64 at the same step, c for the largest difference at a station over the peak there:
-///   0.06 and 0.66 for a force in an elastic box at steps of 0.26, 0.13, 0.07 and 0.03 of the critical one (0.07 and
 ///   0.67 at the last), 0.01 to 0.3 for explosions there, 0.006, 0.02 and 0.43 in `scenes/basin-2d`, and 0.8 in a
 ///   section of six elements. c = 2 bounds all of them, and most stations have a tenth of it or less: how much larger
 ///   displacement is near the source than at the station, and how long waves stay, is not in the formula.
-///   at the station, and how long waves stay, is not in the formula.
 pub fn noise(precision: Precision, curvature: f64, steps: u64, dt_critical: f64) -> f64 {
     FACTOR * epsilon(precision) * (steps as f64).sqrt() * 4.0 / (dt_critical * dt_critical * curvature)
 }
