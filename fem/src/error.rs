@@ -14,4 +14,70 @@ pub enum FemError {
         /// Number of rows.
         size: usize,
     },
+    /// An entry that is no number.
+    #[error("entry ({row}, {column}) of a matrix is {value}: look for a section, length or modulus of zero")]
+    NotFinite {
+        /// Row.
+        row: usize,
+        /// Column.
+        column: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A list that does not fit the matrix.
+    #[error("{what}: {found} given, {expected} expected")]
+    Length {
+        /// What the list holds.
+        what: &'static str,
+        /// Length found.
+        found: usize,
+        /// Length expected.
+        expected: usize,
+    },
+    /// A freedom named twice in one list.
+    #[error("freedom {freedom} stands twice in a list of freedoms")]
+    FreedomTwice {
+        /// The freedom.
+        freedom: usize,
+    },
+    /// A matrix other than the one whose pattern was analysed.
+    #[error(
+        "the matrix has {found} entries in other places than the {expected} that were analysed: analyse it anew"
+    )]
+    Pattern {
+        /// Entries found.
+        found: usize,
+        /// Entries analysed.
+        expected: usize,
+    },
+    /// A pivot that is zero, negative, or positive only by round-off.
+    #[error(
+        "no stiffness is left at freedom {freedom} (pivot {pivot:.3e}, diagonal {diagonal:.3e}): the structure can \
+         move there without force, or it has buckled; add the support or the connection that is missing"
+    )]
+    Pivot {
+        /// Freedom, in the numbering of the matrix.
+        freedom: usize,
+        /// Pivot: what is left of the diagonal after elimination.
+        pivot: f64,
+        /// Diagonal of the matrix.
+        diagonal: f64,
+    },
+    /// Factors that lost all their digits.
+    #[error(
+        "the factor of an indefinite matrix leaves a residual of {residual:.1e}: the shift lies on an eigenvalue of \
+         a part of the structure; take another"
+    )]
+    Unstable {
+        /// Relative residual of a solve.
+        residual: f64,
+    },
+    /// An ordering or a factor that did not fit into memory.
+    #[error("not enough memory for {what} of a matrix of {size} rows")]
+    Memory {
+        /// What was to be stored.
+        what: &'static str,
+        /// Number of rows.
+        size: usize,
+    },
 }
