@@ -17,6 +17,7 @@ use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{LltRef, SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
+use hati_fem::modes::{Search, Wanted, modes};
 use hati_fem::sparse::{Factor, Ordering, Symbolic, SymmetricMatrix};
 use std::sync::Arc;
 use std::time::Instant;
@@ -97,6 +98,30 @@ fn main() {
         );
     }
     solves(&block, &load, options.solves);
+    natural(&block, options.modes);
+}
+
+/// The lowest modes, with the count that none is missed.
+fn natural(block: &brick::Block, count: usize) {
+    for threads in [1, 2] {
+        reset_peak();
+        let start = Instant::now();
+        let search = Search { threads, ..Search::default() };
+        let found = modes(&block.stiffness, &block.mass, &block.groups, Wanted::Lowest(count), search)
+            .expect("the modes of a block that is held");
+        let seconds = start.elapsed().as_secs_f64();
+        let worst = (0..found.len()).map(|i| found.bound(i)).fold(0.0, f64::max);
+        println!(
+            "{count} lowest modes, {threads} thread(s): {seconds:.1} s, {} solves, peak {:.0} MB, load {}, worst bound {worst:.1e}, \
+             {:.1} to {:.1} Hz, counted at {:.1} Hz",
+            found.solves(),
+            peak(),
+            machine_load(),
+            found.frequency(0),
+            found.frequency(count - 1),
+            found.counted_at()
+        );
+    }
 }
 
 /// Many solves one after the other, as the steps of an implicit scheme make them.

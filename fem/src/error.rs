@@ -80,4 +80,47 @@ pub enum FemError {
         /// Number of rows.
         size: usize,
     },
+    /// More modes than there are freedoms with mass.
+    #[error("{asked} modes asked, {available} exist (freedoms without mass have none): ask for fewer")]
+    TooManyModes {
+        /// Modes asked.
+        asked: usize,
+        /// Modes that exist.
+        available: usize,
+    },
+    /// Modes that did not converge.
+    #[error(
+        "{converged} of {asked} modes reached the tolerance {tolerance:.1e} after {solves} solves: loosen it, or \
+         look for stiffnesses many orders apart"
+    )]
+    ModesNotConverged {
+        /// Modes asked.
+        asked: usize,
+        /// Modes that converged.
+        converged: usize,
+        /// Tolerance.
+        tolerance: f64,
+        /// Solves made.
+        solves: usize,
+    },
+    /// A count of eigenvalues that does not agree with those found.
+    #[error("{counted} modes lie below {frequency:.6} Hz, {found} were found: take a smaller tolerance")]
+    ModeCount {
+        /// Modes counted by the signs of pivots.
+        counted: usize,
+        /// Modes found.
+        found: usize,
+        /// Frequency of the count, Hz.
+        frequency: f64,
+    },
+    /// A band of frequencies without extent.
+    #[error(
+        "a band from {from} Hz to {to} Hz: the two must be finite, not negative, and the first below the second"
+    )]
+    Band {
+        /// Lower end, Hz.
+        from: f64,
+        /// Upper end, Hz.
+        to: f64,
+    },
 }

@@ -1,8 +1,10 @@
 //! Finite elements of structures: beams, solids, springs, masses and exact constraints.
 //!
+//! - [`modes`]: natural modes, effective masses, and the count that none is missed.
 //! - [`sparse`]: symmetric sparse matrices, their factors and solves.
 
 mod error;
+pub mod modes;
 pub mod sparse;
 
 pub use error::FemError;
