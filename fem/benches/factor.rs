@@ -48,8 +48,9 @@ fn options() -> Options {
     options
 }
 
-/// Seconds of the four stages: order and pattern, numeric factor, one solve, 64 solves together.
-type Stages = [f64; 4];
+/// Seconds of the four stages, by the clock and of processor: order and pattern, numeric factor, one solve, 64
+/// solves together.
+type Stages = [[f64; 2]; 4];
 
 fn main() {
     let options = options();
@@ -76,18 +77,25 @@ fn main() {
             let top = y.iter().fold(0.0f64, |m, v| m.max(v.abs()));
             assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-9 * top), "the two answers differ");
         }
-        println!("{threads} thread(s), load {}       ours      bare     ratio", machine_load());
-        let table: [(&str, fn(&Stages) -> f64); 6] = [
-            ("order and pattern, s", |s| s[0]),
-            ("numeric factor, s", |s| s[1]),
-            ("one solve, s", |s| s[2]),
-            ("64 solves together, s", |s| s[3]),
-            ("factor + solve, s", |s| s[1] + s[2]),
-            ("all, s", |s| s[0] + s[1] + s[2]),
+        println!(
+            "{threads} thread(s), load {:<8}     ours      bare     ratio   processor: ours, bare, ratio",
+            machine_load()
+        );
+        let table: [(&str, &[usize]); 6] = [
+            ("order and pattern, s", &[0]),
+            ("numeric factor, s", &[1]),
+            ("one solve, s", &[2]),
+            ("64 solves together, s", &[3]),
+            ("factor + solve, s", &[1, 2]),
+            ("all, s", &[0, 1, 2]),
         ];
-        for (name, stage) in table {
-            let [a, b] = [&ours, &bare].map(|v| median(v.iter().map(stage).collect()));
-            println!("  {name:<26} {a:9.4} {b:9.4} {:9.3}", a / b);
+        for (name, stages) in table {
+            let of = |runs: &[Stages], kind: usize| {
+                median(runs.iter().map(|s| stages.iter().map(|&i| s[i][kind]).sum()).collect())
+            };
+            let [a, b] = [of(&ours, 0), of(&bare, 0)];
+            let [c, d] = [of(&ours, 1), of(&bare, 1)];
+            println!("  {name:<26} {a:9.4} {b:9.4} {:9.3} {c:12.2} {d:9.2} {:9.3}", a / b, c / d);
         }
         println!(
             "  {:<26} {:9.0} {:9.0} {:9.3}",
@@ -105,14 +113,14 @@ fn main() {
 fn natural(block: &brick::Block, count: usize) {
     for threads in [1, 2] {
         reset_peak();
-        let start = Instant::now();
+        let start = Clock::now();
         let search = Search { threads, ..Search::default() };
         let found = modes(&block.stiffness, &block.mass, &block.groups, Wanted::Lowest(count), search)
             .expect("the modes of a block that is held");
-        let seconds = start.elapsed().as_secs_f64();
+        let [seconds, processor] = start.elapsed();
         let worst = (0..found.len()).map(|i| found.bound(i)).fold(0.0, f64::max);
         println!(
-            "{count} lowest modes, {threads} thread(s): {seconds:.1} s, {} solves, peak {:.0} MB, load {}, worst bound {worst:.1e}, \
+            "{count} lowest modes, {threads} thread(s): {seconds:.1} s (processor {processor:.1} s), {} solves, peak {:.0} MB, load {}, worst bound {worst:.1e}, \
              {:.1} to {:.1} Hz, counted at {:.1} Hz",
             found.solves(),
             peak(),
@@ -135,20 +143,25 @@ fn solves(block: &brick::Block, load: &[f64], count: usize) {
         symbolic.factor_bytes() as f64 * 1e-6
     );
     let mut factor = Factor::definite(&symbolic, &block.stiffness, 1).expect("a factor");
-    let start = Instant::now();
+    let start = Clock::now();
     let mut x = load.to_vec();
     for _ in 0..count {
         x.copy_from_slice(load);
         factor.solve(&mut x);
     }
-    let seconds = start.elapsed().as_secs_f64();
-    println!("{count} solves one by one: {seconds:.1} s, {:.1} ms each", 1e3 * seconds / count.max(1) as f64);
+    let [seconds, processor] = start.elapsed();
+    let each = 1e3 / count.max(1) as f64;
+    println!(
+        "{count} solves one by one: {seconds:.1} s, {:.1} ms each (processor {:.1} ms)",
+        each * seconds,
+        each * processor
+    );
     let residual = factor.solve_refined(&block.stiffness, load, &mut x).expect("lengths that fit");
     println!("residual {:.1e}, after one refinement {:.1e}", residual.before, residual.after);
 }
 
 fn own(block: &brick::Block, load: &[f64], threads: usize) -> (Stages, Vec<f64>) {
-    let mut clock = Instant::now();
+    let mut clock = Clock::now();
     let symbolic = Symbolic::new(&block.stiffness, &block.groups, Ordering::default()).expect("a pattern");
     let symbolic = Arc::new(symbolic);
     let order = lap(&mut clock);
@@ -158,7 +171,7 @@ fn own(block: &brick::Block, load: &[f64], threads: usize) -> (Stages, Vec<f64>)
     factor.solve(&mut x);
     let one = lap(&mut clock);
     let mut many = load.repeat(64);
-    clock = Instant::now();
+    clock = Clock::now();
     factor.solve(&mut many);
     ([order, numeric, one, lap(&mut clock)], x)
 }
@@ -167,7 +180,7 @@ fn direct(block: &brick::Block, load: &[f64], threads: usize) -> (Stages, Vec<f6
     let matrix = &block.stiffness;
     let size = matrix.size();
     let par = if threads > 1 { Par::rayon(threads) } else { Par::Seq };
-    let mut clock = Instant::now();
+    let mut clock = Clock::now();
     let order = metis(matrix, &block.groups);
     let mut inverse = vec![0; size];
     for (i, &freedom) in order.iter().enumerate() {
@@ -206,7 +219,7 @@ fn direct(block: &brick::Block, load: &[f64], threads: usize) -> (Stages, Vec<f6
     solve(&mut x);
     let one = lap(&mut clock);
     let mut many = load.repeat(64);
-    clock = Instant::now();
+    clock = Clock::now();
     solve(&mut many);
     ([ordered, numeric, one, lap(&mut clock)], x)
 }
@@ -256,10 +269,34 @@ fn metis(matrix: &SymmetricMatrix, groups: &[u32]) -> Vec<usize> {
     forward.iter().flat_map(|&node| first[node as usize]..first[node as usize + 1]).collect()
 }
 
-fn lap(clock: &mut Instant) -> f64 {
-    let seconds = clock.elapsed().as_secs_f64();
-    *clock = Instant::now();
+/// Time by the clock, and of processor in all threads: on a busy machine only the second compares.
+#[derive(Clone, Copy)]
+struct Clock {
+    wall: Instant,
+    processor: f64,
+}
+
+impl Clock {
+    fn now() -> Self {
+        Self { wall: Instant::now(), processor: processor() }
+    }
+
+    fn elapsed(&self) -> [f64; 2] {
+        [self.wall.elapsed().as_secs_f64(), processor() - self.processor]
+    }
+}
+
+fn lap(clock: &mut Clock) -> [f64; 2] {
+    let seconds = clock.elapsed();
+    *clock = Clock::now();
     seconds
+}
+
+/// Seconds of processor that this process has used, in steps of the system's tick (10 ms).
+fn processor() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = text.rsplit(')').next().unwrap_or("").split_whitespace();
+    fields.skip(11).take(2).filter_map(|t| t.parse::<f64>().ok()).sum::<f64>() / 100.0
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

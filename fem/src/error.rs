@@ -123,4 +123,19 @@ pub enum FemError {
         /// Upper end, Hz.
         to: f64,
     },
+    /// A reduction that does not reach the accuracy demanded.
+    #[error(
+        "a reduction with modes up to {cut_off:.3} Hz still errs by {estimate:.1e} at {band:.3} Hz, {accuracy:.1e} \
+         demanded: retain more freedoms, or keep the structure whole"
+    )]
+    Reduction {
+        /// Estimate of the error at the end of the band.
+        estimate: f64,
+        /// Accuracy demanded.
+        accuracy: f64,
+        /// End of the band, Hz.
+        band: f64,
+        /// Highest cut-off tried, Hz.
+        cut_off: f64,
+    },
 }

@@ -1,10 +1,12 @@
 //! Finite elements of structures: beams, solids, springs, masses and exact constraints.
 //!
 //! - [`modes`]: natural modes, effective masses, and the count that none is missed.
+//! - [`reduction`]: a structure by its interface and a few of its modes.
 //! - [`sparse`]: symmetric sparse matrices, their factors and solves.
 
 mod error;
 pub mod modes;
+pub mod reduction;
 pub mod sparse;
 
 pub use error::FemError;
