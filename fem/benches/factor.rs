@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cargo bench -p hati-fem --bench factor -- [--cells 30] [--rounds 3] [--solves 1000] [--modes 20]
+//!     [--threads 2]
 //! ```
 //!
 //! A cube of `cells³` eight-node bricks of steel (eight Gauss points), held on one face: 86,490 freedoms for
@@ -30,10 +31,12 @@ struct Options {
     rounds: usize,
     solves: usize,
     modes: usize,
+    /// Most threads tried.
+    threads: usize,
 }
 
 fn options() -> Options {
-    let mut options = Options { cells: 30, rounds: 3, solves: 1000, modes: 20 };
+    let mut options = Options { cells: 30, rounds: 3, solves: 1000, modes: 20, threads: 2 };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().and_then(|v| v.parse().ok()).expect("a number after the option");
@@ -41,6 +44,7 @@ fn options() -> Options {
             "--cells" => options.cells = value(),
             "--rounds" => options.rounds = value(),
             "--solves" => options.solves = value(),
+            "--threads" => options.threads = value(),
             "--modes" => options.modes = value(),
             _ => {}
         }
@@ -62,7 +66,7 @@ fn main() {
         block.stiffness.values().len(),
         machine_load()
     );
-    for threads in [1, 2] {
+    for threads in 1..=options.threads {
         let (mut ours, mut bare) = (vec![], vec![]);
         let mut memory = [0.0; 2];
         for _ in 0..rounds {
@@ -106,12 +110,12 @@ fn main() {
         );
     }
     solves(&block, &load, options.solves);
-    natural(&block, options.modes);
+    natural(&block, options.modes, options.threads);
 }
 
 /// The lowest modes, with the count that none is missed.
-fn natural(block: &brick::Block, count: usize) {
-    for threads in [1, 2] {
+fn natural(block: &brick::Block, count: usize, most: usize) {
+    for threads in 1..=most {
         reset_peak();
         let start = Clock::now();
         let search = Search { threads, ..Search::default() };

@@ -128,6 +128,20 @@ fn a_band_holds_all_its_modes_and_no_others() {
         }
         check_orthonormal(&found, &m);
     }
+    // repeated eigenvalues within a band, by single vectors
+    let cube = laplacian_values([6, 6, 6]);
+    let (low, high) = (2.0, 3.1);
+    let inside: Vec<f64> = cube.iter().copied().filter(|v| (low..high).contains(v)).collect();
+    for block in [1, 3] {
+        let band = Wanted::Band { from: hertz(low), to: hertz(high) };
+        let search = Search { block, ..Search::default() };
+        let (k, m) = (laplacian([6, 6, 6]), diagonal(&[1.0; 216]));
+        let found = modes(&k, &m, &groups(216), band, search).unwrap();
+        assert_eq!(found.len(), inside.len());
+        for (value, exact) in found.values().iter().zip(&inside) {
+            assert_relative_eq!(value, exact, max_relative = 1e-9);
+        }
+    }
     // an end of the band that is an eigenvalue
     let band = Wanted::Band { from: 0.0, to: hertz(exact[5]) };
     let found = modes(&k, &m, &groups(504), band, Search::default()).unwrap();

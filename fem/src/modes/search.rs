@@ -89,7 +89,7 @@ fn lowest_from(
     let mut target = if known.is_some() { count } else { count + 1 };
     let mut searches = 0;
     loop {
-        let ritz = converge(&mut lanczos, target, search.tolerance, |theta| theta > 0.0)?;
+        let (ritz, _) = converge(&mut lanczos, target, search.tolerance, |theta| theta.len() >= target)?;
         if lanczos.exhausted() {
             target = target.min(lanczos.done());
             if target < count {
@@ -183,25 +183,31 @@ fn within(
         return Ok(none(pencil, high));
     }
     let (shift, mut factor) = middle(pencil, low, high)?;
-    let inside = |theta: f64| (low..high).contains(&(shift + 1.0 / theta));
-    let mass = pencil.mass;
+    let inside = |theta: &f64| (low..high).contains(&(shift + 1.0 / theta));
+    let (size, mass) = (pencil.mass.size(), pencil.mass);
     let mut lanczos = Lanczos::new(mass, &mut factor, search.block);
-    let ritz = converge(&mut lanczos, count, search.tolerance, inside)?;
-    let mut picked: Vec<usize> = (0..ritz.theta.len())
-        .filter(|&i| inside(ritz.theta[i]) && (ritz.bound[i] <= search.tolerance || lanczos.exhausted()))
-        .collect();
-    if picked.len() != count {
-        return Err(FemError::ModeCount { counted: count, found: picked.len(), frequency: frequency(high) });
+    let mut searches = 0;
+    loop {
+        // one beyond the band: all that lie nearer to the shift came before it
+        let enough = |theta: &[f64]| theta.iter().any(|t| !inside(t));
+        let (ritz, converged) = converge(&mut lanczos, count, search.tolerance, enough)?;
+        let mut picked: Vec<usize> = (0..converged).filter(|&i| inside(&ritz.theta[i])).collect();
+        if picked.len() == count {
+            picked.sort_by(|&a, &b| (1.0 / ritz.theta[a]).total_cmp(&(1.0 / ritz.theta[b])));
+            let all = lanczos.vectors(&ritz, converged);
+            let vectors = picked.iter().flat_map(|&i| &all[i * size..(i + 1) * size]).copied().collect();
+            let theta: Vec<f64> = picked.iter().map(|&i| ritz.theta[i]).collect();
+            let solves = lanczos.solves();
+            drop(lanczos);
+            return finish(pencil, &mut factor, shift, &theta, vectors, high, solves);
+        }
+        searches += 1;
+        if picked.len() > count || searches == SEARCHES || lanczos.exhausted() {
+            let (counted, found) = (count, picked.len());
+            return Err(FemError::ModeCount { counted, found, frequency: frequency(high) });
+        }
+        stir(&mut lanczos, &ritz, search);
     }
-    picked.sort_by(|&a, &b| (1.0 / ritz.theta[a]).total_cmp(&(1.0 / ritz.theta[b])));
-    let size = mass.size();
-    let reach = picked.iter().max().map_or(0, |m| m + 1);
-    let all = lanczos.vectors(&ritz, reach);
-    let vectors = picked.iter().flat_map(|&i| all[i * size..(i + 1) * size].iter().copied()).collect();
-    let theta: Vec<f64> = picked.iter().map(|&i| ritz.theta[i]).collect();
-    let solves = lanczos.solves();
-    drop(lanczos);
-    finish(pencil, &mut factor, shift, &theta, vectors, high, solves)
 }
 
 /// A stable factor about the middle of a band.
@@ -217,37 +223,32 @@ fn middle(pencil: &Pencil, low: f64, high: f64) -> Result<(f64, Factor), FemErro
     Ok((shift, pencil.at(shift)?))
 }
 
-/// Steps, with restarts, until the first `target` pairs that count have converged.
-///
-/// They count in the order of $|\theta|$, so that none that belongs before the last is left out.
+/// Steps, with restarts, until those that converged are enough; returns the pairs and how many of the first
+/// converged, in the order of $|\theta|$, so that none that belongs before the last is left out.
 fn converge(
     lanczos: &mut Lanczos,
-    target: usize,
+    asked: usize,
     tolerance: f64,
-    counts: impl Fn(f64) -> bool,
-) -> Result<Ritz, FemError> {
-    let limit = lanczos.solves() + 300 + 20 * target;
+    enough: impl Fn(&[f64]) -> bool,
+) -> Result<(Ritz, usize), FemError> {
+    let limit = lanczos.solves() + 300 + 20 * asked;
     loop {
         lanczos.step();
         let ritz = lanczos.ritz()?;
-        let mut converged = 0;
-        for (theta, bound) in ritz.theta.iter().zip(&ritz.bound) {
-            if counts(*theta) {
-                if *bound > tolerance {
-                    break;
-                }
-                converged += 1;
-            }
+        if lanczos.exhausted() {
+            let all = ritz.theta.len();
+            return Ok((ritz, all));
         }
-        if converged >= target || lanczos.exhausted() {
-            return Ok(ritz);
+        let converged = ritz.bound.iter().take_while(|b| **b <= tolerance).count();
+        if enough(&ritz.theta[..converged]) {
+            return Ok((ritz, converged));
         }
         if lanczos.solves() > limit {
             let solves = lanczos.solves();
-            return Err(FemError::ModesNotConverged { asked: target, converged, tolerance, solves });
+            return Err(FemError::ModesNotConverged { asked, converged, tolerance, solves });
         }
-        if lanczos.done() >= 2 * target + 60 {
-            let keep = target + 20;
+        let keep = asked.max(converged) + 20;
+        if lanczos.done() >= 2 * keep + 20 {
             lanczos.restart(&ritz, keep);
         }
     }
