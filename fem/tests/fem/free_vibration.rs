@@ -1,0 +1,106 @@
+//! Published free-vibration cases with beams (reference/free_vibration.csv).
+
+use crate::bodies::{modes, steel};
+use hati_fem::{
+    assembly::Assembly,
+    constraint::Component,
+    element::{Beam, MassForm, PointMass},
+    mesh::subdivide,
+    model::Model,
+    section::Section,
+};
+
+const UP: [f64; 3] = [0.0, 0.0, 1.0];
+
+fn frequencies(model: &Model) -> Vec<f64> {
+    let assembly = Assembly::new(model).unwrap();
+    let mass = assembly.mass(MassForm::Consistent).unwrap().free;
+    modes(&assembly.stiffness().unwrap().free, &mass).0
+}
+
+fn compare(case: &str, found: &[f64], published: &[f64]) {
+    for (mode, (f, p)) in found.iter().zip(published).enumerate() {
+        println!("{case} mode {}: {f:.4} Hz, published {p} Hz, {:+.3} %", mode + 1, 100.0 * (f / p - 1.0));
+        assert!((f / p - 1.0).abs() < 0.005, "{case} mode {}: {f} Hz, published {p} Hz", mode + 1);
+    }
+}
+
+#[test]
+fn fv2_a_cross_of_eight_arms_in_its_plane() {
+    let mut model = Model::new();
+    let group = model.group("arms");
+    let section = Section::rectangle(0.125, 0.125, 0.3).unwrap();
+    let hub = model.add_node([0.0; 3]);
+    let mut nodes = vec![hub];
+    for arm in 0..8 {
+        let angle = f64::from(arm) * std::f64::consts::FRAC_PI_4;
+        let points = subdivide([0.0; 3], [5.0 * angle.cos(), 5.0 * angle.sin(), 0.0], 4);
+        let mut last = hub;
+        for &point in &points[1..] {
+            let next = model.add_node(point);
+            let at = [model.nodes()[last], point];
+            model.add(group, Beam::new([last, next], at, UP, section, steel()).unwrap());
+            nodes.push(next);
+            last = next;
+        }
+        model.support("pin", last, &[Component::X, Component::Y]);
+    }
+    for node in nodes {
+        model.support("plane", node, &[Component::Z, Component::RotationX, Component::RotationY]);
+    }
+    let mut published = vec![11.336, 17.709, 17.709];
+    published.extend([17.709; 5]);
+    published.extend([45.345, 57.390, 57.390]);
+    compare("FV2", &frequencies(&model), &published);
+}
+
+#[test]
+fn fv4_a_cantilever_with_masses_off_its_axis() {
+    let published = [1.723, 1.727, 7.413, 9.972, 18.155, 26.957];
+    let build = |by_links: bool| {
+        let mut model = Model::new();
+        let group = model.group("cantilever");
+        let section = Section::round(0.5, 0.3).unwrap();
+        let points = subdivide([0.0; 3], [10.0, 0.0, 0.0], 10);
+        let nodes = model.add_nodes(&points);
+        for (pair, at) in nodes.windows(2).zip(points.windows(2)) {
+            model.add(group, Beam::new([pair[0], pair[1]], [at[0], at[1]], UP, section, steel()).unwrap());
+        }
+        model.fix("root", nodes[0]);
+        let tip = nodes[10];
+        for (mass, y) in [(10_000.0, 2.0), (1000.0, -2.0)] {
+            if by_links {
+                let end = model.add_node([10.0, y, 0.0]);
+                model.add(group, PointMass::new(end, mass).unwrap());
+                model.rigid_link("arm", tip, &[end]);
+            } else {
+                let eccentric = PointMass::new(tip, mass).unwrap().with_eccentricity([0.0, y, 0.0]).unwrap();
+                model.add(group, eccentric);
+            }
+        }
+        frequencies(&model)
+    };
+    let (links, eccentric) = (build(true), build(false));
+    compare("FV4", &links, &published);
+    for (a, b) in links.iter().zip(&eccentric).take(20) {
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+}
+
+#[test]
+fn fv5_a_deep_simply_supported_beam() {
+    let square = Section::rectangle(2.0, 2.0, 0.3).unwrap();
+    // the published torsion takes J as the polar moment: no warping
+    let section = Section { torsion: square.polar(), ..square };
+    let mut model = Model::new();
+    let group = model.group("beam");
+    let points = subdivide([0.0; 3], [10.0, 0.0, 0.0], 20);
+    let nodes = model.add_nodes(&points);
+    for (pair, at) in nodes.windows(2).zip(points.windows(2)) {
+        model.add(group, Beam::new([pair[0], pair[1]], [at[0], at[1]], UP, section, steel()).unwrap());
+    }
+    model.support("end", nodes[0], &[Component::X, Component::Y, Component::Z, Component::RotationX]);
+    model.support("other end", nodes[20], &[Component::Y, Component::Z]);
+    let published = [42.649, 42.649, 77.542, 125.00, 148.31, 148.31, 233.10, 284.55, 284.55];
+    compare("FV5", &frequencies(&model), &published);
+}

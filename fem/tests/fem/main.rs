@@ -1,0 +1,12 @@
+//! Elements, constraints and statics against closed forms.
+
+mod beams;
+mod bodies;
+mod constraints;
+mod convergence;
+mod faults;
+mod free_vibration;
+mod geometric;
+mod invariance;
+mod locking;
+mod patch;
