@@ -248,7 +248,8 @@ impl<'m> Assembly<'m> {
         let loads = self.base_load(&operator)?;
         for (axis, name) in ['x', 'y', 'z'].into_iter().enumerate() {
             let found = self.translated_mass(axis, &loads[axis], &operator)?;
-            if !((found - expected).abs() <= 1e-9 * expected) {
+            let adds_up = (found - expected).abs() <= 1e-9 * expected;
+            if !adds_up {
                 return Err(FemError::Mass { axis: name, found, expected });
             }
         }

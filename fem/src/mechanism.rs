@@ -3,6 +3,7 @@
 use crate::{
     FemError,
     assembly::{Assembly, rigid_motion},
+    check::components,
     sparse::SymmetricMatrix,
 };
 use faer::{
@@ -138,29 +139,92 @@ fn apply(matrix: &SymmetricMatrix, block: &DMatrix<f64>) -> DMatrix<f64> {
     image
 }
 
-/// Combines the vectors so that each has a freedom to itself, then names each.
-fn describe(assembly: &Assembly<'_>, mut vectors: Vec<Vec<f64>>) -> Vec<FreeMotion> {
+/// Names each motion: first those that are a plain rigid motion of a connected part, then the rest,
+/// combined so that each has a freedom to itself.
+fn describe(assembly: &Assembly<'_>, vectors: Vec<Vec<f64>>) -> Vec<FreeMotion> {
     let size = size_of(assembly.model().nodes());
     let numbering = assembly.numbering();
     let weight: Vec<f64> = (0..numbering.size())
         .map(|p| if numbering.freedom(p).component.index() < 3 { 1.0 } else { size })
         .collect();
-    for k in 0..vectors.len() {
-        let magnitude = |v: &[f64], p: usize| (v[p] * weight[p]).abs();
-        let largest = |v: &[f64]| (0..v.len()).max_by(|&a, &b| magnitude(v, a).total_cmp(&magnitude(v, b)));
-        let Some(pivot) = largest(&vectors[k]) else { continue };
-        let own = vectors[k].clone();
-        if own[pivot] == 0.0 {
+    let mut space = orthonormal(
+        vectors.iter().map(|v| DVector::from_fn(v.len(), |p, _| v[p] * weight[p])).collect(),
+        0.0,
+    );
+    let mut motions = vec![];
+    for plain in plain_motions(assembly, &weight) {
+        let mut outside = plain.clone();
+        space.iter().for_each(|v| outside -= v * v.dot(&plain));
+        if outside.norm() > 1e-6 {
             continue;
         }
-        for (other, vector) in vectors.iter_mut().enumerate() {
-            let factor = vector[pivot] / own[pivot];
-            if other != k {
-                vector.iter_mut().zip(&own).for_each(|(v, o)| *v -= factor * o);
+        // what is left is the part of the space across this motion
+        let rest = space.iter().map(|v| v - &plain * v.dot(&plain)).collect();
+        space = orthonormal(rest, 1e-6);
+        motions.push(plain);
+    }
+    motions.extend(echelon(space));
+    let unscaled = |v: DVector<f64>| (0..v.len()).map(|p| v[p] / weight[p]).collect();
+    motions.into_iter().filter_map(|v| name(assembly, unscaled(v), &weight, size)).collect()
+}
+
+/// Gram–Schmidt; vectors of which less than `least` is new are dropped.
+fn orthonormal(vectors: Vec<DVector<f64>>, least: f64) -> Vec<DVector<f64>> {
+    let mut base: Vec<DVector<f64>> = vec![];
+    for vector in vectors {
+        let size = vector.norm();
+        let mut rest = if size > 0.0 { vector / size } else { vector };
+        let share = size.min(1.0);
+        // twice is enough
+        for _ in 0..2 {
+            for known in &base {
+                rest -= known * known.dot(&rest);
+            }
+        }
+        if rest.norm() * share > least {
+            base.push(rest.normalize());
+        }
+    }
+    base
+}
+
+/// Unit translations and rotations, about its centre, of each connected part; weighted, of norm 1.
+fn plain_motions(assembly: &Assembly<'_>, weight: &[f64]) -> Vec<DVector<f64>> {
+    let (numbering, positions) = (assembly.numbering(), assembly.model().nodes());
+    let mut motions = vec![];
+    for part in components(assembly.model()) {
+        let sum: Vector3<f64> = part.nodes.iter().map(|&n| Vector3::from(positions[n])).sum();
+        let centre = sum / part.nodes.len() as f64;
+        for kind in 0..6 {
+            let mut motion = DVector::zeros(numbering.size());
+            for &node in &part.nodes {
+                let own = rigid_motion(Vector3::from(positions[node]) - centre);
+                for i in 0..numbering.count(node) {
+                    let place = numbering.start(node) + i;
+                    motion[place] = own[(i, kind)] * weight[place];
+                }
+            }
+            // nodes without rotations in one place or line do not show every rotation
+            if motion.norm() > 0.0 {
+                motions.push(motion.normalize());
             }
         }
     }
-    vectors.into_iter().filter_map(|v| name(assembly, v, &weight, size)).collect()
+    motions
+}
+
+/// Combines vectors so that each has a freedom to itself.
+fn echelon(mut vectors: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
+    for k in 0..vectors.len() {
+        let own = vectors[k].clone();
+        let pivot = own.iamax();
+        for (other, vector) in vectors.iter_mut().enumerate() {
+            if other != k {
+                *vector -= &own * (vector[pivot] / own[pivot]);
+            }
+        }
+    }
+    vectors
 }
 
 fn size_of(nodes: &[[f64; 3]]) -> f64 {
@@ -209,7 +273,7 @@ fn motion(assembly: &Assembly<'_>, vector: &[f64], nodes: &[usize], size: f64) -
             row += 1;
         }
     }
-    let solution = fit.clone().svd(true, true).solve(&target, 1e-9).unwrap_or_else(|_| DVector::zeros(6));
+    let solution = least_squares(&fit, &target);
     let rest = (&fit * &solution - &target).norm();
     if rest > 1e-5 * target.norm() {
         return "a free deformation".into();
@@ -223,6 +287,16 @@ fn motion(assembly: &Assembly<'_>, vector: &[f64], nodes: &[usize], size: f64) -
     let point = centre + turn.cross(&shift) / turn.norm_squared();
     let [x, y, z] = [0, 1, 2].map(|i| round(point[i]));
     format!("free rotation about {} through ({x}, {y}, {z}) m", direction(&turn))
+}
+
+/// Least solution of least squares by the eigenvectors of the normal matrix: nodes in a line leave a
+/// rotation open.
+fn least_squares(fit: &DMatrix<f64>, target: &DVector<f64>) -> DVector<f64> {
+    let normal = (fit.transpose() * fit).symmetric_eigen();
+    let right = normal.eigenvectors.transpose() * (fit.transpose() * target);
+    let open = 1e-10 * normal.eigenvalues.amax();
+    let inverse = normal.eigenvalues.map(|v| if v > open { 1.0 / v } else { 0.0 });
+    &normal.eigenvectors * right.component_mul(&inverse)
 }
 
 fn direction(v: &Vector3<f64>) -> String {

@@ -7,6 +7,9 @@ use crate::{
 };
 use nalgebra::{Matrix3, Vector3};
 
+/// Dependent freedoms, each with the freedoms that it follows and their coefficients.
+type Rows = Vec<(Freedom, Vec<(Freedom, f64)>)>;
+
 /// A group of elements by its number, from [`Model::group`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GroupId(pub(crate) usize);
@@ -247,9 +250,10 @@ impl Model {
         reference: usize,
         nodes: &[usize],
         weights: &[f64],
-    ) -> Result<Vec<(Freedom, Vec<(Freedom, f64)>)>, FemError> {
+    ) -> Result<Rows, FemError> {
         let total: f64 = weights.iter().sum();
-        if weights.len() != nodes.len() || !(total > 0.0) || weights.iter().any(|&w| !(w >= 0.0)) {
+        let usable = total > 0.0 && total.is_finite() && weights.iter().all(|&w| w >= 0.0);
+        if weights.len() != nodes.len() || !usable {
             let what = "it needs one weight of 0 or more a node, not all 0";
             return Err(FemError::Constraint { name: name.into(), what });
         }
@@ -285,12 +289,7 @@ impl Model {
     }
 }
 
-fn rigid_terms(
-    leader: usize,
-    follower: usize,
-    arm: Vector3<f64>,
-    count: usize,
-) -> Vec<(Freedom, Vec<(Freedom, f64)>)> {
+fn rigid_terms(leader: usize, follower: usize, arm: Vector3<f64>, count: usize) -> Rows {
     let turn = -arm.cross_matrix();
     let mut rows = vec![];
     for (i, &component) in Component::ALL[..count].iter().enumerate() {

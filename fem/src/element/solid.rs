@@ -123,7 +123,8 @@ impl<S: SolidShape> Solid<S> {
         let places = S::reference().iter().copied().chain(quadrature).chain([S::centre()]);
         let worst = places.map(|xi| (self.jacobian(xi).determinant(), xi)).min_by(|a, b| a.0.total_cmp(&b.0));
         match worst {
-            Some((jacobian, place)) if !(jacobian > least) => {
+            // a determinant that is no number compares as greater than all
+            Some((jacobian, place)) if jacobian <= least || jacobian.is_nan() => {
                 Err(FemError::Jacobian { element, nodes, jacobian, place })
             }
             _ => Ok(()),

@@ -5,6 +5,7 @@ use hati_fem::{
     assembly::{Assembly, add_force},
     constraint::{Component, Freedom},
     element::{Axis, Bar, Beam, Dashpot, MassForm, PointMass, Spring},
+    material::Material,
     mesh::SolidKind,
     model::Model,
     section::Section,
@@ -14,9 +15,12 @@ use hati_fem::{
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// A solid block from x = 0 to 2 whose end carries a beam of 3 m.
-fn block_with_beam(join: impl Fn(&mut Model, usize, &[usize])) -> (Model, Vec<usize>, usize) {
+fn block_with_beam(
+    material: Material,
+    join: impl Fn(&mut Model, usize, &[usize]),
+) -> (Model, Vec<usize>, usize) {
     let side = 0.4;
-    let (mut model, mesh) = solid_model(SolidKind::Hex20, [4, 2, 2], steel(), |x| {
+    let (mut model, mesh) = solid_model(SolidKind::Hex20, [4, 2, 2], material, |x| {
         [2.0 * x[0], side * (x[1] - 0.5), side * (x[2] - 0.5)]
     });
     let face = |x: f64| -> Vec<usize> {
@@ -26,9 +30,9 @@ fn block_with_beam(join: impl Fn(&mut Model, usize, &[usize])) -> (Model, Vec<us
     let joint = model.add_node([2.0, 0.0, 0.0]);
     let tip = model.add_node([5.0, 0.0, 0.0]);
     let group = model.group("beam");
-    let section = Section::rectangle(side, side, 0.3).unwrap();
+    let section = Section::rectangle(side, side, material.poisson()).unwrap();
     let at = [[2.0, 0.0, 0.0], [5.0, 0.0, 0.0]];
-    model.add(group, Beam::new([joint, tip], at, UP, section, steel()).unwrap());
+    model.add(group, Beam::new([joint, tip], at, UP, section, material).unwrap());
     join(&mut model, joint, &end);
     (model, root, tip)
 }
@@ -36,27 +40,31 @@ fn block_with_beam(join: impl Fn(&mut Model, usize, &[usize])) -> (Model, Vec<us
 #[test]
 fn a_solid_joined_to_a_beam_bends_as_one_cantilever() {
     type Join = fn(&mut Model, usize, &[usize]);
-    let joins: [(&str, Join); 2] = [
-        ("rigid", |model, joint, end| model.rigid_link("joint", joint, end)),
-        ("distributing", |model, joint, end| {
-            // weights of the eight-node faces: a resultant shear falls on the middles of edges
-            model.distribute("joint", joint, end, &vec![1.0; end.len()])
-        }),
+    // a rigid face is what beam theory has; a spread force dents the face a little
+    let joins: [(&str, Join, std::ops::Range<f64>); 2] = [
+        ("rigid", |model, joint, end| model.rigid_link("joint", joint, end), 0.9975..1.0),
+        (
+            "distributing",
+            |model, joint, end| model.distribute("joint", joint, end, &vec![1.0; end.len()]),
+            1.0..1.015,
+        ),
     ];
-    for (name, join) in joins {
-        let (mut model, root, tip) = block_with_beam(join);
+    // without Poisson's effect no joint and no root holds the section back from its own shape
+    let material = Material::new(200e9, 0.0, 8000.0).unwrap();
+    for (name, join, range) in joins {
+        let (mut model, root, tip) = block_with_beam(material, join);
         root.iter().for_each(|&node| model.fix("root", node));
         let assembly = Assembly::new(&model).unwrap();
         let mut load = vec![0.0; assembly.numbering().size()];
         add_force(assembly.numbering(), &mut load, tip, Component::Z, 1e4).unwrap();
         let s = vec![0.0; assembly.reduction().supports().len()];
         let state = statics::solve(&assembly, &assembly.stiffness().unwrap(), &load, &s, cholesky).unwrap();
-        let section = Section::rectangle(0.4, 0.4, 0.3).unwrap();
+        let section = Section::rectangle(0.4, 0.4, 0.0).unwrap();
         let beam = 1e4 * 125.0 / (3.0 * 200e9 * section.iy)
-            + 1e4 * 5.0 / (steel().shear_modulus() * section.shear_area_z.unwrap());
+            + 1e4 * 5.0 / (material.shear_modulus() * section.shear_area_z.unwrap());
         let ratio = state.displacement[assembly.numbering().start(tip) + 2] / beam;
         println!("{name} joint: tip at {ratio} of one beam");
-        assert!((ratio - 1.0).abs() < 0.01, "{name}: {ratio}");
+        assert!(range.contains(&ratio), "{name}: {ratio}");
         let up: f64 = state.reactions.iter().filter(|r| r.0.component == Component::Z).map(|r| r.1).sum();
         assert!((up + 1e4).abs() < 1e-6);
     }
@@ -65,7 +73,7 @@ fn a_solid_joined_to_a_beam_bends_as_one_cantilever() {
 #[test]
 fn joined_parts_keep_their_six_rigid_motions_free_of_force() {
     for rigid in [true, false] {
-        let (model, _, _) = block_with_beam(|model, joint, end| match rigid {
+        let (model, _, _) = block_with_beam(steel(), |model, joint, end| match rigid {
             true => model.rigid_link("joint", joint, end),
             false => model.distribute("joint", joint, end, &vec![1.0; end.len()]),
         });
@@ -81,7 +89,8 @@ fn joined_parts_keep_their_six_rigid_motions_free_of_force() {
 
 #[test]
 fn a_base_translation_moves_a_structure_without_force() {
-    let (mut model, root, _) = block_with_beam(|model, joint, end| model.rigid_link("joint", joint, end));
+    let (mut model, root, _) =
+        block_with_beam(steel(), |model, joint, end| model.rigid_link("joint", joint, end));
     root.iter().for_each(|&node| model.fix("root", node));
     let assembly = Assembly::new(&model).unwrap();
     let stiffness = assembly.stiffness().unwrap();
@@ -98,7 +107,8 @@ fn a_base_translation_moves_a_structure_without_force() {
 
 #[test]
 fn the_base_load_is_the_mass_that_the_base_moves() {
-    let (mut model, root, _) = block_with_beam(|model, joint, end| model.rigid_link("joint", joint, end));
+    let (mut model, root, _) =
+        block_with_beam(steel(), |model, joint, end| model.rigid_link("joint", joint, end));
     root.iter().for_each(|&node| model.fix("root", node));
     let assembly = Assembly::new(&model).unwrap();
     let properties = assembly.mass_properties().unwrap();
@@ -167,7 +177,9 @@ fn a_tied_pin_lets_rotations_differ() {
     model.add(group, Beam::new([2, 3], [at[1], at[2]], UP, section, steel).unwrap());
     let pin = [Component::X, Component::Y, Component::Z, Component::RotationX];
     model.tie("pin", 2, 1, &pin);
-    [0, 3].map(|node| model.fix("end", node));
+    for node in [0, 3] {
+        model.fix("end", node);
+    }
     let assembly = Assembly::new(&model).unwrap();
     let mut load = vec![0.0; 24];
     load[8] = -1.0;

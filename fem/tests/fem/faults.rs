@@ -52,12 +52,44 @@ fn a_structure_that_is_held_has_no_free_motion() {
 fn a_free_body_has_six_rigid_motions() {
     for model in [row(5), solid_model(SolidKind::Hex8, [3, 1, 1], steel(), |x| x).0] {
         let found = motions(&model);
+        let starts = ["x", "y", "z"].map(|axis| format!("free translation along {axis} of node(s) 0, 1, 2"));
+        let turns = ["x", "y", "z"].map(|axis| format!("free rotation about {axis} through ("));
         assert_eq!(found.len(), 6, "{found:?}");
-        assert!(
-            found.iter().all(|m| m.starts_with("free rotation") || m.starts_with("free translation")),
-            "{found:?}"
-        );
+        for (motion, start) in found.iter().zip(starts.iter().chain(&turns)) {
+            assert!(motion.starts_with(start), "{motion}, expected {start}");
+        }
     }
+}
+
+#[test]
+fn a_part_that_is_not_held_is_named_beside_one_that_is() {
+    let mut model = row(3);
+    model.fix("root", 0);
+    let group = model.group("trolley");
+    let a = model.add_node([0.0, 5.0, 1.0]);
+    let b = model.add_node([1.0, 5.0, 1.0]);
+    let at = [model.nodes()[a], model.nodes()[b]];
+    model.add(group, Beam::new([a, b], at, UP, square(), steel()).unwrap());
+    model.support("rail", a, &[Component::Y, Component::Z, Component::RotationX]);
+    model.support("rail", b, &[Component::Y, Component::Z]);
+    assert_eq!(motions(&model), ["free translation along x of node(s) 3, 4"]);
+}
+
+#[test]
+fn a_body_on_a_skew_axis_turns_about_it() {
+    let (mut model, mesh) = solid_model(SolidKind::Hex8, [1, 1, 1], steel(), |x| x);
+    // held at the two ends of a diagonal of the lower face
+    for (node, x) in mesh.nodes.iter().enumerate() {
+        if *x == [0.0, 0.0, 0.0] || *x == [1.0, 1.0, 0.0] {
+            model.fix("pin", node);
+        }
+    }
+    let found = motions(&model);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].starts_with("free rotation about (0.7071, 0.7071, 0) through (0.5, 0.5, 0) m"),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -95,7 +127,9 @@ fn a_hinge_too_many_is_found_at_its_node() {
         let beam = Beam::new(nodes, at, UP, square(), steel()).unwrap().with_releases(releases).unwrap();
         model.add(group, beam);
     }
-    [0, 2].map(|node| model.fix("end", node));
+    for node in [0, 2] {
+        model.fix("end", node);
+    }
     let mut found = motions(&model);
     found.sort();
     assert_eq!(
@@ -116,7 +150,9 @@ fn bars_in_a_line_sag_at_the_joint() {
         let at = pair.map(|n| model.nodes()[n]);
         model.add(group, Bar::new(pair, at, 0.01, steel()).unwrap());
     }
-    [0, 2].map(|node| model.fix("end", node));
+    for node in [0, 2] {
+        model.fix("end", node);
+    }
     let mut found = motions(&model);
     found.sort();
     assert_eq!(found, ["free translation along y of node(s) 1", "free translation along z of node(s) 1"]);

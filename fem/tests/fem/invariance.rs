@@ -10,11 +10,13 @@ use hati_fem::{
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 
+/// An element and the positions of its nodes.
+type Placed = (Box<dyn Element>, Vec<Vector3<f64>>);
 type Map<'a> = &'a dyn Fn(Vector3<f64>) -> Vector3<f64>;
 
 /// One of each element, its geometry moved by `map`, directions turned by `turn`; with its positions.
-fn elements(map: Map<'_>, turn: Matrix3<f64>, shake: f64) -> Vec<(Box<dyn Element>, Vec<Vector3<f64>>)> {
-    let mut list: Vec<(Box<dyn Element>, Vec<Vector3<f64>>)> = vec![];
+fn elements(map: Map<'_>, turn: Matrix3<f64>, shake: f64) -> Vec<Placed> {
+    let mut list: Vec<Placed> = vec![];
     for kind in [SolidKind::Hex8, SolidKind::Hex20, SolidKind::Tet10] {
         let mesh = block(kind, [1, 1, 1], |x| {
             let s = shake * (3.0 * x[0] + 5.0 * x[1] * x[1] - 4.0 * x[2] * x[0]).sin();

@@ -34,8 +34,10 @@ fn stress(material: Material) -> [f64; 6] {
 #[test]
 fn a_linear_field_is_exact_on_any_distorted_mesh() {
     for kind in KINDS {
+        // middles of edges move too: the edges are curved
+        let size = if kind == SolidKind::Hex8 { 0.1 } else { 0.025 };
         for material in [steel(), Material::new(200e9, 0.4999, 8000.0).unwrap()] {
-            let (mut model, mesh) = solid_model(kind, [2, 2, 2], material, |x| shake(x, 0.08));
+            let (mut model, mesh) = solid_model(kind, [2, 2, 2], material, |x| shake(x, size));
             // the block's surface is where the undistorted mesh has a coordinate of 0 or 1
             let plain = hati_fem::mesh::block(kind, [2, 2, 2], |x| x);
             for (node, x) in plain.nodes.iter().enumerate() {

@@ -28,7 +28,7 @@ static NODES: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
 /// Value and gradient of the shape function of the node at `c`.
 fn shape(c: &[f64; 3], xi: [f64; 3]) -> (f64, [f64; 3]) {
     // one factor an axis: 1 + c ξ at a corner coordinate, 1 - ξ² at a middle one
-    let middle = c.iter().any(|&v| v == 0.0);
+    let middle = c.contains(&0.0);
     let f = [0, 1, 2].map(|i| if c[i] == 0.0 { 1.0 - xi[i] * xi[i] } else { 1.0 + c[i] * xi[i] });
     let d = [0, 1, 2].map(|i| if c[i] == 0.0 { -2.0 * xi[i] } else { c[i] });
     let product = f[0] * f[1] * f[2];
