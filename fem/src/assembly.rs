@@ -314,16 +314,18 @@ struct Sum {
 
 impl Sum {
     fn add(&mut self, reduction: &Reduction, places: &[usize], matrix: &DMatrix<f64>) {
-        for (i, &row) in places.iter().enumerate() {
-            for (j, &column) in places.iter().enumerate() {
+        // rows of (T S) once per element; most hold one entry of 1
+        let rows: Vec<Vec<(usize, f64)>> = places.iter().map(|&p| reduction.row(p).collect()).collect();
+        for (j, (&place, column)) in places.iter().zip(&rows).enumerate() {
+            let constant = reduction.constants()[place];
+            for (i, row) in rows.iter().enumerate() {
                 let value = matrix[(i, j)];
                 if value == 0.0 {
                     continue;
                 }
-                let constant = value * reduction.constants()[column];
-                for (a, ca) in reduction.row(row) {
-                    self.constant[a] += ca * constant;
-                    for (b, cb) in reduction.row(column) {
+                for &(a, ca) in row {
+                    self.constant[a] += ca * value * constant;
+                    for &(b, cb) in column {
                         self.entry(a, b, ca * value * cb);
                     }
                 }

@@ -206,8 +206,9 @@ impl Reduction {
     }
 
     /// Node of each free freedom: the graph of nodes orders a factor better than that of freedoms.
-    pub fn node_groups(&self) -> Vec<usize> {
-        self.freedoms.iter().map(|f| f.node).collect()
+    pub fn node_groups(&self) -> Vec<u32> {
+        // more nodes than 2³² fit into no memory
+        self.freedoms.iter().map(|f| u32::try_from(f.node).unwrap_or(u32::MAX)).collect()
     }
 
     /// Constants $g$.

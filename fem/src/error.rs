@@ -16,14 +16,14 @@ pub enum FemError {
         /// Number of rows.
         size: usize,
     },
-    /// A vector that does not fit.
-    #[error("{what}: {found} numbers given, {expected} needed")]
+    /// A list that does not fit the matrix.
+    #[error("{what}: {found} given, {expected} expected")]
     Length {
-        /// Which vector.
+        /// What the list holds.
         what: &'static str,
-        /// Numbers given.
+        /// Length found.
         found: usize,
-        /// Numbers needed.
+        /// Length expected.
         expected: usize,
     },
     /// A material constant out of its range.

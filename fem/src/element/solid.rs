@@ -182,24 +182,26 @@ impl<S: SolidShape> Solid<S> {
         self.coordinates.iter().sum::<Vector3<f64>>() / S::NODES as f64
     }
 
-    /// $\bar B$ at a place, `[6, 3 NODES]`.
-    fn strain_operator(&self, xi: [f64; 3], place: &Place, enhancement: &Enhancement) -> DMatrix<f64> {
+    /// $\bar B$ at a place, a column for each freedom.
+    fn strain_operator(&self, xi: [f64; 3], place: &Place, enhancement: &Enhancement) -> Vec<Strain> {
         let mut operator = compatible_strain(place);
         match enhancement {
             Enhancement::None => {}
             Enhancement::Modes(amplitudes) => {
-                operator +=
-                    hex8::enhanced_strain(self.jacobian(S::centre()), xi, place.determinant) * amplitudes;
+                let modes = hex8::enhanced_strain(self.jacobian(S::centre()), xi, place.determinant);
+                for (strain, amplitude) in operator.iter_mut().zip(amplitudes.column_iter()) {
+                    for (mode, factor) in modes.iter().zip(amplitude.iter()) {
+                        *strain += mode * *factor;
+                    }
+                }
             }
             Enhancement::Dilatation(coefficients) => {
                 let x = Vector3::from(self.position(&S::values(xi))) - self.centre_of_coordinates();
                 let monomials = [1.0, x.x, x.y, x.z];
-                for column in 0..operator.ncols() {
-                    let compatible = operator[(0, column)] + operator[(1, column)] + operator[(2, column)];
-                    let projected: f64 = (0..4).map(|k| monomials[k] * coefficients[(k, column)]).sum();
-                    for i in 0..3 {
-                        operator[(i, column)] += (projected - compatible) / 3.0;
-                    }
+                for (strain, column) in operator.iter_mut().zip(coefficients.column_iter()) {
+                    let projected: f64 = (0..4).map(|k| monomials[k] * column[k]).sum();
+                    let change = (projected - strain[0] - strain[1] - strain[2]) / 3.0;
+                    (0..3).for_each(|i| strain[i] += change);
                 }
             }
         }
@@ -207,9 +209,10 @@ impl<S: SolidShape> Solid<S> {
     }
 
     /// Stress at a reference place under `displacement`.
-    fn stress(&self, xi: [f64; 3], enhancement: &Enhancement, displacement: &DVector<f64>) -> Vector6<f64> {
-        let strain = self.strain_operator(xi, &self.place(xi), enhancement) * displacement;
-        self.material.elasticity() * Vector6::from_column_slice(strain.as_slice())
+    fn stress(&self, xi: [f64; 3], enhancement: &Enhancement, displacement: &[f64]) -> Strain {
+        let operator = self.strain_operator(xi, &self.place(xi), enhancement);
+        let strain: Strain = operator.iter().zip(displacement.iter()).map(|(b, u)| b * *u).sum();
+        self.material.elasticity() * strain
     }
 
     fn scalar_mass(&self) -> DMatrix<f64> {
@@ -232,19 +235,19 @@ impl<S: SolidShape> Solid<S> {
     }
 }
 
-/// $B$ of the displacement's own strain, `[6, 3 NODES]`; shear strains are full angles.
-fn compatible_strain(place: &Place) -> DMatrix<f64> {
-    let mut b = DMatrix::zeros(6, 3 * place.gradients.len());
-    for (a, g) in place.gradients.iter().enumerate() {
-        let c = 3 * a;
-        for i in 0..3 {
-            b[(i, c + i)] = g[i];
-        }
-        (b[(3, c)], b[(3, c + 1)]) = (g.y, g.x);
-        (b[(4, c + 1)], b[(4, c + 2)]) = (g.z, g.y);
-        (b[(5, c)], b[(5, c + 2)]) = (g.z, g.x);
-    }
-    b
+/// Strain or stress: normal components along x, y, z, then the shears xy, yz, zx (angles in full).
+type Strain = Vector6<f64>;
+
+/// $B$ of the displacement's own strain, a column for each freedom.
+fn compatible_strain(place: &Place) -> Vec<Strain> {
+    let columns = place.gradients.iter().flat_map(|g| {
+        [
+            Strain::new(g.x, 0.0, 0.0, g.y, 0.0, g.z),
+            Strain::new(0.0, g.y, 0.0, g.x, g.z, 0.0),
+            Strain::new(0.0, 0.0, g.z, 0.0, g.y, g.x),
+        ]
+    });
+    columns.collect()
 }
 
 fn times_identity(scalar: &DMatrix<f64>) -> DMatrix<f64> {
@@ -283,13 +286,18 @@ impl<S: SolidShape> Element for Solid<S> {
         let mut stiffness = DMatrix::zeros(3 * S::NODES, 3 * S::NODES);
         for point in S::rule() {
             let place = self.place(point.xi);
-            let b = self.strain_operator(point.xi, &place, &enhancement);
-            let stress = elasticity * &b;
-            stiffness.gemm_tr(point.weight * place.determinant, &b, &stress, 1.0);
+            let volume = point.weight * place.determinant;
+            let strains = self.strain_operator(point.xi, &place, &enhancement);
+            for (j, strain) in strains.iter().enumerate() {
+                let stress = elasticity * strain * volume;
+                // the lower half; the upper is its mirror
+                for (entry, other) in stiffness.column_mut(j).iter_mut().zip(&strains).skip(j) {
+                    *entry += stress.dot(other);
+                }
+            }
         }
-        // rounding makes the halves differ in the last digit
-        let transpose = stiffness.transpose();
-        (stiffness + transpose) * 0.5
+        stiffness.fill_upper_triangle_with_lower_triangle();
+        stiffness
     }
 
     fn mass(&self, form: MassForm) -> DMatrix<f64> {
@@ -303,11 +311,10 @@ impl<S: SolidShape> Element for Solid<S> {
     /// $K_\sigma = \int \nabla N_a^T \sigma \nabla N_b\,dV\; I_3$.
     fn geometric_stiffness(&self, displacement: &[f64]) -> Option<DMatrix<f64>> {
         let enhancement = S::enhancement(self);
-        let displacement = DVector::from_column_slice(displacement);
         let mut scalar = DMatrix::zeros(S::NODES, S::NODES);
         for point in S::rule() {
             let place = self.place(point.xi);
-            let s = self.stress(point.xi, &enhancement, &displacement);
+            let s = self.stress(point.xi, &enhancement, displacement);
             let tensor = Matrix3::new(s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]);
             let volume = point.weight * place.determinant;
             for (a, ga) in place.gradients.iter().enumerate() {
@@ -323,11 +330,10 @@ impl<S: SolidShape> Element for Solid<S> {
     /// Stresses at the centre, then at the nodes in their order.
     fn recover(&self, displacement: &[f64], _gravity: [f64; 3]) -> Recovery {
         let enhancement = S::enhancement(self);
-        let displacement = DVector::from_column_slice(displacement);
         let places = std::iter::once(S::centre()).chain(S::reference().iter().copied());
         let stresses = places.map(|xi| StressPoint {
             position: self.position(&S::values(xi)),
-            stress: self.stress(xi, &enhancement, &displacement).into(),
+            stress: self.stress(xi, &enhancement, displacement).into(),
         });
         Recovery::Stresses(stresses.collect())
     }

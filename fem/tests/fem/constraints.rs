@@ -214,5 +214,5 @@ fn springs_dashpots_and_masses_make_an_oscillator() {
     assert_eq!(dense(&assembly.damping().unwrap().free)[(0, 0)], 300.0);
     let rayleigh = assembly.rayleigh_damping(MassForm::Lumped, |_| (0.5, 1e-3)).unwrap();
     assert!((dense(&rayleigh.free)[(0, 0)] - (0.5 * 100.0 + 1e-3 * 4e6)).abs() < 1e-9);
-    assert_eq!(assembly.reduction().node_groups(), [node, node]);
+    assert_eq!(assembly.reduction().node_groups(), [0, 0]);
 }

@@ -79,9 +79,10 @@ impl SolidShape for Hex20Shape {
             let monomials = Vector4::new(1.0, x.x, x.y, x.z);
             let weight = point.weight * place.determinant;
             gram += monomials * monomials.transpose() * weight;
-            let b = compatible_strain(&place);
-            let divergence = b.row(0) + b.row(1) + b.row(2);
-            moments += monomials * divergence * weight;
+            for (j, strain) in compatible_strain(&place).iter().enumerate() {
+                let divergence = strain[0] + strain[1] + strain[2];
+                (0..4).for_each(|k| moments[(k, j)] += weight * divergence * monomials[k]);
+            }
         }
         // positive definite: the four monomials are independent in a volume
         gram.cholesky().map_or(Enhancement::None, |factor| Enhancement::Dilatation(factor.solve(&moments)))

@@ -1,7 +1,7 @@
 //! Hexahedron of 8 nodes with enhanced strains.
 
-use super::{Enhancement, Point, Solid, SolidShape, compatible_strain, quadrature};
-use nalgebra::{DMatrix, Matrix3};
+use super::{Enhancement, Point, Solid, SolidShape, Strain, compatible_strain, quadrature};
+use nalgebra::{DMatrix, Matrix3, SMatrix};
 
 /// Trilinear hexahedron, enhanced by 12 strain modes.
 ///
@@ -34,12 +34,12 @@ pub(super) const CORNERS: [[f64; 3]; 8] = [
 
 const MODES: usize = 12;
 
-/// Enhanced strains at `xi`, `[6, 12]`, by the Jacobian `centre` of the element's centre and the
+/// Enhanced strains at `xi`, one a mode, by the Jacobian `centre` of the element's centre and the
 /// determinant at `xi`.
-pub(super) fn enhanced_strain(centre: Matrix3<f64>, xi: [f64; 3], determinant: f64) -> DMatrix<f64> {
+pub(super) fn enhanced_strain(centre: Matrix3<f64>, xi: [f64; 3], determinant: f64) -> [Strain; MODES] {
     let scale = centre.determinant() / determinant;
     let inverse = centre.try_inverse().unwrap_or_else(Matrix3::zeros);
-    let mut strain = DMatrix::zeros(6, MODES);
+    let mut strain = [Strain::zeros(); MODES];
     let [x, y, z] = xi;
     let shears = [(0, 1, x), (0, 1, y), (1, 2, y), (1, 2, z), (2, 0, z), (2, 0, x)];
     let normals = [(0, 0, x), (1, 1, y), (2, 2, z)];
@@ -47,20 +47,17 @@ pub(super) fn enhanced_strain(centre: Matrix3<f64>, xi: [f64; 3], determinant: f
         // J₀⁻ᵀ (e_i e_jᵀ + e_j e_iᵀ)/2 J₀⁻¹
         let (row_i, row_j) = (inverse.row(i).transpose(), inverse.row(j).transpose());
         let tensor = (row_i * row_j.transpose() + row_j * row_i.transpose()) * (0.5 * value * scale);
-        let engineering = [
+        strain[mode] = Strain::new(
             tensor[(0, 0)],
             tensor[(1, 1)],
             tensor[(2, 2)],
             2.0 * tensor[(0, 1)],
             2.0 * tensor[(1, 2)],
             2.0 * tensor[(2, 0)],
-        ];
-        strain.column_mut(mode).copy_from_slice(&engineering);
+        );
     }
     for (mode, value) in [x * y, y * z, z * x].into_iter().enumerate() {
-        for i in 0..3 {
-            strain[(i, 9 + mode)] = scale * value;
-        }
+        strain[9 + mode].fixed_rows_mut::<3>(0).fill(scale * value);
     }
     strain
 }
@@ -102,15 +99,21 @@ impl SolidShape for Hex8Shape {
     fn enhancement(solid: &Solid<Self>) -> Enhancement {
         let elasticity = solid.material.elasticity();
         let centre = solid.jacobian(Self::centre());
-        let mut own = DMatrix::zeros(MODES, MODES);
+        let mut own = SMatrix::<f64, MODES, MODES>::zeros();
         let mut mixed = DMatrix::zeros(MODES, 3 * Self::NODES);
         for point in Self::rule() {
             let place = solid.place(point.xi);
             let modes = enhanced_strain(centre, point.xi, place.determinant);
-            let weight = point.weight * place.determinant;
-            let stress = elasticity * &modes;
-            own.gemm_tr(weight, &modes, &stress, 1.0);
-            mixed.gemm_tr(weight, &stress, &compatible_strain(&place), 1.0);
+            let stresses = modes.map(|mode| elasticity * mode * (point.weight * place.determinant));
+            let strains = compatible_strain(&place);
+            for (i, stress) in stresses.iter().enumerate() {
+                for (j, mode) in modes.iter().enumerate() {
+                    own[(i, j)] += stress.dot(mode);
+                }
+                for (j, strain) in strains.iter().enumerate() {
+                    mixed[(i, j)] += stress.dot(strain);
+                }
+            }
         }
         // positive definite: the modes are independent at the eight points
         let amplitudes = own.cholesky().map(|factor| -factor.solve(&mixed));
