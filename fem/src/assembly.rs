@@ -132,7 +132,7 @@ impl<'m> Assembly<'m> {
         self.operator(|_, element| Some(element.stiffness()))
     }
 
-    /// Mass $M$.
+    /// Mass $M$. A lumped one stays diagonal as long as no constraint joins freedoms.
     pub fn mass(&self, form: MassForm) -> Result<Operator, FemError> {
         self.operator(|_, element| Some(element.mass(form)))
     }

@@ -63,11 +63,15 @@ pub fn free_motions(
     for column in null_space(stiffness, &scale, &empty)?.column_iter() {
         vectors.push(column.iter().zip(&scale).map(|(x, s)| x * s).collect());
     }
+    named(assembly, &vectors)
+}
+
+/// Names motions over the free freedoms that are known to cost no force. Errors: a length that does
+/// not fit.
+pub fn named(assembly: &Assembly<'_>, motions: &[Vec<f64>]) -> Result<Vec<FreeMotion>, FemError> {
     let support = vec![0.0; assembly.reduction().supports().len()];
-    let mut full = vec![];
-    for vector in vectors {
-        full.push(assembly.reduction().expand_linear(&vector, &support)?);
-    }
+    let expand = |motion: &Vec<f64>| assembly.reduction().expand_linear(motion, &support);
+    let full = motions.iter().map(expand).collect::<Result<Vec<_>, _>>()?;
     Ok(describe(assembly, full))
 }
 

@@ -97,6 +97,14 @@ impl Link {
     }
 }
 
+/// From the first node to the second; nothing where they lie in one place but for rounding (1e-9 m, or
+/// 1e-9 of their distance from the origin).
+fn span(positions: [[f64; 3]; 2]) -> Vector3<f64> {
+    let [first, second] = positions.map(Vector3::from);
+    let rounding = 1e-9 * first.norm().max(second.norm()).max(1.0);
+    if (second - first).norm() > rounding { second - first } else { Vector3::zeros() }
+}
+
 /// Linear spring of one or more axes: force = stiffness × motion of the second node less the first's
 /// (to the ground: of the node).
 ///
@@ -114,8 +122,7 @@ impl Spring {
 
     /// Spring between two `nodes` at `positions` (m). Errors: as above; an axis across the span.
     pub fn between(nodes: [usize; 2], positions: [[f64; 3]; 2], axes: &[Axis]) -> Result<Self, FemError> {
-        let distance = Vector3::from(positions[1]) - Vector3::from(positions[0]);
-        Link::new("spring", &nodes, distance, axes).map(Self)
+        Link::new("spring", &nodes, span(positions), axes).map(Self)
     }
 }
 
@@ -131,8 +138,7 @@ impl Dashpot {
 
     /// Dashpot between two `nodes` at `positions` (m). Errors: as [`Spring`].
     pub fn between(nodes: [usize; 2], positions: [[f64; 3]; 2], axes: &[Axis]) -> Result<Self, FemError> {
-        let distance = Vector3::from(positions[1]) - Vector3::from(positions[0]);
-        Link::new("dashpot", &nodes, distance, axes).map(Self)
+        Link::new("dashpot", &nodes, span(positions), axes).map(Self)
     }
 }
 

@@ -6,6 +6,7 @@ use hati_fem::{
     assembly::{Assembly, add_force},
     constraint::{Component, Freedom},
     element::{Beam, Element, EndReleases, MassForm, PointMass, Recovery, SectionForces},
+    mesh::Member,
     model::Model,
     section::Section,
     statics::{self, StaticState},
@@ -230,6 +231,29 @@ fn releases_that_let_the_beam_spin_or_slide_are_refused() {
     assert_eq!(error, FemError::Release { nodes: [4, 5] });
     let one = EndReleases { start: twist, end: [false; 6] };
     assert!(beam([4, 5], at, girder()).with_releases(one).is_ok());
+}
+
+#[test]
+fn a_member_is_released_at_its_ends_alone() {
+    // hinged at both ends and cut into four: a simply supported span under a force in its middle
+    let (l, section) = (8.0, girder());
+    let mut model = Model::new();
+    let ends = [[0.0; 3], [l, 0.0, 0.0]].map(|x| model.add_node(x));
+    let group = model.group("span");
+    let releases = EndReleases::hinges(true, true);
+    let member = Member { section, material: steel(), orientation: UP, releases };
+    let nodes = member.add_to(&mut model, group, ends, 4).unwrap();
+    assert_eq!(nodes, [0, 2, 3, 4, 1]);
+    ends.iter().for_each(|&node| model.fix("end", node));
+    let assembly = Assembly::new(&model).unwrap();
+    let mut load = vec![0.0; assembly.numbering().size()];
+    add_force(assembly.numbering(), &mut load, nodes[2], Component::Z, -1e4).unwrap();
+    let state = solve(&assembly, &load);
+    let exact = l.powi(3) / (48.0 * steel().young() * section.iy)
+        + l / (4.0 * steel().shear_modulus() * section.shear_area_z.unwrap());
+    close(state.displacement[assembly.numbering().start(nodes[2]) + 2], -1e4 * exact);
+    let error = member.add_to(&mut model, group, [0, 9], 2).unwrap_err();
+    assert_eq!(error, FemError::UnknownNode { item: "a member".into(), node: 9, count: 5 });
 }
 
 #[test]

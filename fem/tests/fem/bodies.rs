@@ -8,7 +8,6 @@ use faer::{
 use hati_fem::{
     FemError,
     assembly::Assembly,
-    element::{Hex8, Hex20, Tet10},
     material::Material,
     mesh::{SolidKind, SolidMesh, block},
     model::Model,
@@ -31,16 +30,8 @@ pub(crate) fn solid_model(
 ) -> (Model, SolidMesh) {
     let mesh = block(kind, counts, map);
     let mut model = Model::new();
-    model.add_nodes(&mesh.nodes);
     let group = model.group("block");
-    for nodes in &mesh.elements {
-        let at: Vec<[f64; 3]> = nodes.iter().map(|&n| mesh.nodes[n]).collect();
-        match kind {
-            SolidKind::Hex8 => model.add(group, Hex8::new(nodes, &at, material).unwrap()),
-            SolidKind::Hex20 => model.add(group, Hex20::new(nodes, &at, material).unwrap()),
-            SolidKind::Tet10 => model.add(group, Tet10::new(nodes, &at, material).unwrap()),
-        };
-    }
+    mesh.add_to(&mut model, group, material).unwrap();
     (model, mesh)
 }
 

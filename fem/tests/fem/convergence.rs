@@ -130,7 +130,7 @@ fn solids_converge_in_displacement_with_one_order_above_their_degree() {
 }
 
 /// ω² of the standing shear wave of a unit cube whose faces slide: 2π²G/ρ, relative error.
-fn sliding_cube(kind: SolidKind, n: usize, material: Material) -> f64 {
+fn sliding_cube(kind: SolidKind, n: usize, material: Material, form: MassForm) -> f64 {
     let (mut model, mesh) = solid_model(kind, [n; 3], material, bend);
     let flat = hati_fem::mesh::block(kind, [n; 3], |x| x);
     for (node, x) in flat.nodes.iter().enumerate() {
@@ -140,7 +140,7 @@ fn sliding_cube(kind: SolidKind, n: usize, material: Material) -> f64 {
     }
     let assembly = Assembly::new(&model).unwrap();
     let stiffness = assembly.stiffness().unwrap().free;
-    let mass = assembly.mass(MassForm::Consistent).unwrap().free;
+    let mass = assembly.mass(form).unwrap().free;
     let mode =
         |x: [f64; 3]| [(PI * x[0]).sin() * (PI * x[1]).cos(), -(PI * x[0]).cos() * (PI * x[1]).sin(), 0.0];
     let freedoms = assembly.reduction().freedoms().iter();
@@ -169,11 +169,23 @@ fn solids_converge_in_frequency_with_twice_their_degree() {
         (SolidKind::Hex20, [2, 4, 6], 4.0),
         (SolidKind::Tet10, [2, 6, 8], 4.0),
     ] {
-        let errors = meshes.map(|n| sliding_cube(kind, n, material));
+        let errors = meshes.map(|n| sliding_cube(kind, n, material, MassForm::Consistent));
         let ratio = meshes[2] as f64 / meshes[1] as f64;
         let observed = order(errors[1], errors[2], ratio);
         println!("{kind:?}: {errors:?}, order {observed}");
         assert!((observed - theory).abs() < 0.25, "{kind:?}: {errors:?}, order {observed}");
+    }
+}
+
+#[test]
+fn lumped_masses_leave_order_two_to_every_solid() {
+    let material = Material::new(2.5, 0.25, 1.0).unwrap();
+    for (kind, meshes) in [(SolidKind::Hex8, [8, 12]), (SolidKind::Hex20, [4, 6]), (SolidKind::Tet10, [4, 6])]
+    {
+        let errors = meshes.map(|n| sliding_cube(kind, n, material, MassForm::Lumped));
+        let observed = order(errors[0], errors[1], 1.5);
+        println!("lumped {kind:?}: {errors:?}, order {observed}");
+        assert!((observed - 2.0).abs() < 0.15, "{kind:?}: {errors:?}, order {observed}");
     }
 }
 

@@ -165,7 +165,7 @@ fn duplicate_and_loose_nodes_are_named_unless_something_joins_them() {
     let errors = check(&model, 1);
     assert!(matches!(errors[0], FemError::DuplicateNodes { first: 1, second: 3, .. }), "{errors:?}");
     assert!(matches!(&errors[1], FemError::LooseNodes { nodes } if nodes == &[3]), "{errors:?}");
-    let at = [model.nodes()[1], model.nodes()[1]];
+    let at = [model.nodes()[1], model.nodes()[twin]];
     let group = model.group("spring");
     model.add(group, Spring::between([1, twin], at, &[Axis::translation(UP, 1e6)]).unwrap());
     assert_eq!(check(&model, 1), []);

@@ -4,13 +4,16 @@ use crate::bodies::{modes, steel};
 use hati_fem::{
     assembly::Assembly,
     constraint::Component,
-    element::{Beam, MassForm, PointMass},
-    mesh::subdivide,
+    element::{EndReleases, MassForm, PointMass},
+    mesh::Member,
     model::Model,
     section::Section,
 };
 
-const UP: [f64; 3] = [0.0, 0.0, 1.0];
+fn member(section: Section) -> Member {
+    let (material, releases) = (steel(), EndReleases::default());
+    Member { section, material, orientation: [0.0, 0.0, 1.0], releases }
+}
 
 fn frequencies(model: &Model) -> Vec<f64> {
     let assembly = Assembly::new(model).unwrap();
@@ -33,20 +36,14 @@ fn bernoulli(section: Section) -> Section {
 fn cross(section: Section) -> Vec<f64> {
     let mut model = Model::new();
     let group = model.group("arms");
+    let arms = member(section);
     let hub = model.add_node([0.0; 3]);
     let mut nodes = vec![hub];
     for arm in 0..8 {
         let angle = f64::from(arm) * std::f64::consts::FRAC_PI_4;
-        let points = subdivide([0.0; 3], [5.0 * angle.cos(), 5.0 * angle.sin(), 0.0], 4);
-        let mut last = hub;
-        for &point in &points[1..] {
-            let next = model.add_node(point);
-            let at = [model.nodes()[last], point];
-            model.add(group, Beam::new([last, next], at, UP, section, steel()).unwrap());
-            nodes.push(next);
-            last = next;
-        }
-        model.support("pin", last, &[Component::X, Component::Y]);
+        let end = model.add_node([5.0 * angle.cos(), 5.0 * angle.sin(), 0.0]);
+        nodes.extend(&arms.add_to(&mut model, group, [hub, end], 4).unwrap()[1..]);
+        model.support("pin", end, &[Component::X, Component::Y]);
     }
     for node in nodes {
         model.support("plane", node, &[Component::Z, Component::RotationX, Component::RotationY]);
@@ -76,13 +73,9 @@ fn fv4_a_cantilever_with_masses_off_its_axis() {
     let build = |by_links: bool, section: Section| {
         let mut model = Model::new();
         let group = model.group("cantilever");
-        let points = subdivide([0.0; 3], [10.0, 0.0, 0.0], 10);
-        let nodes = model.add_nodes(&points);
-        for (pair, at) in nodes.windows(2).zip(points.windows(2)) {
-            model.add(group, Beam::new([pair[0], pair[1]], [at[0], at[1]], UP, section, steel()).unwrap());
-        }
-        model.fix("root", nodes[0]);
-        let tip = nodes[10];
+        let [root, tip] = [[0.0; 3], [10.0, 0.0, 0.0]].map(|x| model.add_node(x));
+        member(section).add_to(&mut model, group, [root, tip], 10).unwrap();
+        model.fix("root", root);
         for (mass, y) in [(10_000.0, 2.0), (1000.0, -2.0)] {
             if by_links {
                 let end = model.add_node([10.0, y, 0.0]);
@@ -110,13 +103,10 @@ fn fv5_a_deep_simply_supported_beam() {
     let section = Section { torsion: square.polar(), ..square };
     let mut model = Model::new();
     let group = model.group("beam");
-    let points = subdivide([0.0; 3], [10.0, 0.0, 0.0], 20);
-    let nodes = model.add_nodes(&points);
-    for (pair, at) in nodes.windows(2).zip(points.windows(2)) {
-        model.add(group, Beam::new([pair[0], pair[1]], [at[0], at[1]], UP, section, steel()).unwrap());
-    }
-    model.support("end", nodes[0], &[Component::X, Component::Y, Component::Z, Component::RotationX]);
-    model.support("other end", nodes[20], &[Component::Y, Component::Z]);
+    let [start, end] = [[0.0; 3], [10.0, 0.0, 0.0]].map(|x| model.add_node(x));
+    member(section).add_to(&mut model, group, [start, end], 20).unwrap();
+    model.support("end", start, &[Component::X, Component::Y, Component::Z, Component::RotationX]);
+    model.support("other end", end, &[Component::Y, Component::Z]);
     let published = [42.649, 42.649, 77.542, 125.00, 148.31, 148.31, 233.10, 284.55, 284.55];
     compare("FV5", &frequencies(&model), &published);
 }
