@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 /// Rigid body fixed to a node: mass $m$, inertia tensor $I_c$ about its own centre, centre at
 /// $r$ from the node.
 ///
-/// Its centre moves with $\dot u + \dot\theta \times r$, so that
-/// $M = \begin{pmatrix} m I & -m [r]_\times \\ m [r]_\times & I_c - m [r]_\times [r]_\times
+/// With $\hat r$ the matrix of $r \times$, its centre moves with $\dot u + \dot\theta \times r$, so that
+/// $M = \begin{pmatrix} m I & -m \hat r \\ m \hat r & I_c - m \hat r \hat r
 /// \end{pmatrix}$. Without inertia and eccentricity the node needs translations only. Its weight
 /// at an eccentricity adds no geometric stiffness here.
 #[derive(Debug, Clone)]
