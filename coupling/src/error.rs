@@ -54,4 +54,16 @@ pub enum CouplingError {
         /// Its mass.
         mass: f64,
     },
+    /// A parameter without a stable scheme.
+    #[error("{name} = {value} lies outside {low} to {high}, where the scheme is stable at every step")]
+    SchemeParameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+    },
 }

@@ -7,9 +7,11 @@
 //!
 //! - [`central_difference`]: the explicit update of one freedom, drift–kick–drift; an integrator's
 //!   formula stands once, here, and kernels that fuse the update call it.
+//! - [`alpha`]: the implicit schemes of the α family (Chung and Hulbert, HHT, WBZ, Newmark), one freedom at a time.
 //! - [`spectral_bound`]: the largest eigenfrequency of an assembled operator, hence the critical step.
 //! - [`ledger`]: the energy balance of a run and its closing error.
 
+pub mod alpha;
 pub mod central_difference;
 mod error;
 pub mod ledger;
