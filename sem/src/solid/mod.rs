@@ -26,7 +26,6 @@ mod ground;
 mod held;
 mod kernel;
 mod layout;
-pub mod limits;
 mod material;
 mod model;
 mod portable;

@@ -1,9 +1,7 @@
 //! What the machine allows: bandwidth and arithmetic on one core, measured with the kernel's own vectors.
 
-use super::real::Real;
-use super::step;
-use crate::aligned::Aligned;
-use pulp::{Simd, WithSimd};
+use hati_sem::solid::Real;
+use pulp::{Arch, Simd, WithSimd};
 use std::time::Instant;
 
 /// Bandwidth of the triad $a_i = b_i + s\,c_i$ on arrays of `numbers` numbers, B/s: best of `repeats`.
@@ -28,7 +26,7 @@ pub fn triad_bandwidth<T: Real>(numbers: usize, repeats: usize) -> f64 {
     let best = (0..repeats)
         .map(|_| {
             let start = Instant::now();
-            step::dispatch_or_scalar(Triad(&mut a, &b, &c));
+            Arch::new().dispatch(Triad(&mut a, &b, &c));
             start.elapsed().as_secs_f64()
         })
         .fold(f64::INFINITY, f64::min);
@@ -64,7 +62,7 @@ pub fn fma_peak<T: Real>(repeats: usize) -> f64 {
     (0..repeats)
         .map(|_| {
             let start = Instant::now();
-            let (lanes, sum) = step::dispatch_or_scalar(Chains::<T>(std::marker::PhantomData));
+            let (lanes, sum) = Arch::new().dispatch(Chains::<T>(std::marker::PhantomData));
             std::hint::black_box(sum);
             (2 * CHAINS * ROUNDS * lanes) as f64 / start.elapsed().as_secs_f64()
         })
