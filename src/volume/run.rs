@@ -403,3 +403,6 @@ impl Loop<'_, '_> {
         checkpoint::write(self.out, head, streams, solid)
     }
 }
+
+#[cfg(test)]
+mod tests;
