@@ -12,6 +12,7 @@ pub mod checkpoint;
 mod explain;
 mod fields;
 mod files;
+pub mod forces;
 pub mod mesh;
 mod plan;
 mod report;

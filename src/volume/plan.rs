@@ -1,6 +1,7 @@
 //! Everything that a run in two or three dimensions needs, decided.
 
 use super::explain::{Facts, Notes};
+use super::forces;
 use super::mesh::{self, BoxSizes, FileMesh, MeshOptions};
 use super::sampling::{Rows, Sampling, auto_rows, step_for};
 use super::sizes::{self, Frequencies};
@@ -10,6 +11,7 @@ use crate::plan::{PlanError, Reason, STEP_MARGIN};
 use hati_inputs::scene::{Auto, BoundaryKind, MaterialValues, OutputQuantity, Precision, Resolved, Scene};
 use hati_sem::mesh::{Locator, Mesh, MeshReport, Resolution};
 use hati_sem::solid::{Execution, Ground, Material, Probe, Solid, Support};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Wall time between checkpoints where the scene leaves it open.
@@ -382,20 +384,30 @@ fn load(
     sampling: &Sampling,
     notes: &mut Notes,
 ) -> Result<bool, PlanError> {
-    let planes = sources::planes(scene, ground.mesh())?;
+    let first = sources::shared_amplitudes(signals);
+    let distinct = (0..signals.len()).filter(|&i| first[i] == i).count();
+    super::explain::expect_amplitudes(sampling.steps(), distinct)?;
+    let planes = forces::planes(scene, ground)?;
     let mut all = vec![];
     {
         let locator = Locator::new(ground.mesh());
         for signal in signals {
-            let (forces, warning) = sources::forces(ground, &locator, &planes, signal)?;
-            notes.warnings.extend(warning);
-            all.push(forces);
+            let made = forces::forces(ground, &locator, &planes, signal)?;
+            notes.warnings.extend(made.warnings);
+            notes.sources.extend(made.remark.map(|r| (signal.name.clone(), r)));
+            all.push(made.forces);
         }
     }
     let steps = sampling.steps() as usize;
     let moves_y = ground.mesh().dimension == 3 || all.iter().flatten().any(|(_, f)| f[1] != 0.0);
-    for (forces, signal) in all.into_iter().zip(signals) {
-        ground.add_load(forces, signal.amplitude(sampling.dt, steps));
+    let mut amplitudes: Vec<Arc<Vec<f64>>> = vec![];
+    for (i, (forces, signal)) in all.into_iter().zip(signals).enumerate() {
+        amplitudes.push(if first[i] < i {
+            Arc::clone(&amplitudes[first[i]])
+        } else {
+            Arc::new(signal.amplitude(sampling.dt, steps))
+        });
+        ground.add_shared_load(forces, Arc::clone(&amplitudes[i]));
     }
     Ok(moves_y)
 }
@@ -408,7 +420,7 @@ fn sensors(scene: &Scene, ground: &Ground, notes: &mut Notes) -> Result<Vec<Plan
             what: format!("station `{}`", sensor.name),
             source: Box::new(source),
         };
-        let asked = sources::position(&locator, &sensor.at).map_err(placed)?;
+        let asked = forces::position(&locator, &sensor.at).map_err(placed)?;
         let probe = ground.probe(&locator, asked).map_err(placed)?;
         let on_side = |x: &f64| (1.0 - x.abs()).abs() < 1e-9;
         let local = &probe.local[..ground.mesh().dimension];

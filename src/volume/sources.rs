@@ -1,15 +1,9 @@
-//! Sources: what they push, and their time functions at the kicks.
+//! Sources and their time functions at the kicks; [`super::forces`] tells what they push.
 
 use crate::plan::PlanError;
 use hati_inputs::motion::{Quantity, resample_as};
 use hati_inputs::records::{self, Channel, ReadOptions};
-use hati_inputs::scene::{Action, BoundaryKind, Place, Pulse, PulseKind, Scene, SourceTerm, TimeFunction};
-use hati_sem::SemError;
-use hati_sem::mesh::{Locator, Mesh};
-use hati_sem::solid::Ground;
-
-/// Points and forces per unit amplitude.
-type Forces = Vec<(u32, [f64; 3])>;
+use hati_inputs::scene::{Action, Pulse, PulseKind, Scene, SourceTerm, TimeFunction};
 
 /// A source with its record read.
 #[derive(Debug, Clone)]
@@ -50,10 +44,23 @@ pub fn signals(scene: &Scene) -> Result<Vec<Signal>, PlanError> {
     Ok(terms.into_iter().map(signal).collect())
 }
 
+/// For each signal the first one with the same amplitude at every instant: signals of one number share one array.
+pub fn shared_amplitudes(signals: &[Signal]) -> Vec<usize> {
+    let first = |s: &Signal| {
+        signals.iter().position(|other| other.time == s.time && other.is_rate() == s.is_rate()).unwrap_or(0)
+    };
+    signals.iter().map(first).collect()
+}
+
 impl Signal {
+    /// Whether the time function is the rate of what acts.
+    fn is_rate(&self) -> bool {
+        matches!(self.action, Action::Moment { rate: true, .. })
+    }
+
     /// Amplitude at the kicks t = n `dt`, `count` of them; a moment's rate is integrated.
     pub fn amplitude(&self, dt: f64, count: usize) -> Vec<f64> {
-        let integrate = matches!(self.action, Action::Moment { rate: true, .. });
+        let integrate = self.is_rate();
         match (&self.time, &self.record) {
             (TimeFunction::Pulse(pulse), _) if integrate => integral(pulse, dt, count),
             (TimeFunction::Pulse(pulse), _) => (0..count).map(|n| pulse.value(n as f64 * dt)).collect(),
@@ -114,143 +121,6 @@ fn cubic(x: &[f64], i: usize, s: f64) -> f64 {
     let at = |k: usize| x[(i + k).saturating_sub(1).min(x.len() - 1)];
     let (a, b, c, d) = (at(0), at(1), at(2), at(3));
     b + 0.5 * s * (c - a + s * (2.0 * a - 5.0 * b + 4.0 * c - d + s * (3.0 * (b - c) + d - a)))
-}
-
-/// A plane of symmetry: a point of it and its normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plane {
-    point: [f64; 3],
-    normal: [f64; 3],
-}
-
-/// Largest angle between normals of one plane, rad: meshers leave some 1e-9.
-const FLAT: f64 = 1e-5;
-
-/// The planes of symmetry of a mesh, each once. Error: a boundary that is bent.
-pub fn planes(scene: &Scene, mesh: &Mesh) -> Result<Vec<Plane>, PlanError> {
-    let mut planes: Vec<Plane> = vec![];
-    let size = mesh.extent();
-    let length = (0..3).map(|i| size.1[i] - size.0[i]).fold(0.0, f64::max);
-    for boundary in &mesh.boundaries {
-        if scene.boundary_kind(&boundary.name) != BoundaryKind::Symmetry {
-            continue;
-        }
-        let mut own: Option<Plane> = None;
-        for &side in &boundary.sides {
-            let local = mesh.side_local(side, [0.0; 2]);
-            let plane = Plane {
-                point: mesh.position(side.element as usize, local),
-                normal: unit(mesh.side_normal(side, local)),
-            };
-            let first = *own.get_or_insert(plane);
-            let sine = norm(cross(first.normal, plane.normal));
-            if sine > FLAT || first.distance(plane.point) > 1e-6 * length {
-                let angle = sine.min(1.0).asin().to_degrees();
-                return Err(PlanError::BentSymmetry { boundary: boundary.name.clone(), angle });
-            }
-        }
-        let known = |p: &Plane| {
-            planes
-                .iter()
-                .any(|q| norm(cross(p.normal, q.normal)) <= FLAT && q.distance(p.point) <= 1e-6 * length)
-        };
-        planes.extend(own.filter(|p| !known(p)));
-    }
-    Ok(planes)
-}
-
-impl Plane {
-    fn distance(&self, x: [f64; 3]) -> f64 {
-        (0..3).map(|i| self.normal[i] * (x[i] - self.point[i])).sum::<f64>().abs()
-    }
-}
-
-/// Share of a point source that the model carries: a half for every plane of symmetry through it. And what of a force
-/// across such a plane has no effect, as a share of the force.
-fn share(planes: &[Plane], at: [f64; 3], size: f64, force: [f64; 3]) -> (f64, f64) {
-    let through = planes.iter().filter(|p| p.distance(at) <= 1e-6 * size);
-    let (mut part, mut across) = (1.0, 0.0_f64);
-    for plane in through {
-        part *= 0.5;
-        let along: f64 = (0..3).map(|i| plane.normal[i] * force[i]).sum();
-        across = across.max(along.abs() / norm(force).max(f64::MIN_POSITIVE));
-    }
-    (part, across)
-}
-
-/// Coordinates of a place; a depth counts from the boundary `top`.
-pub fn position(locator: &Locator<'_>, place: &Place) -> Result<[f64; 3], SemError> {
-    match *place {
-        Place::Point(point) => Ok(point),
-        Place::Below { x, y, depth } => {
-            let top = locator.find_on_surface(x, y)?.position;
-            Ok([x, y, top[2] - depth])
-        }
-    }
-}
-
-/// Forces of a source per unit of its time function, and a warning where part of it does nothing.
-pub fn forces(
-    ground: &Ground,
-    locator: &Locator<'_>,
-    planes: &[Plane],
-    signal: &Signal,
-) -> Result<(Forces, Option<String>), PlanError> {
-    let placed =
-        |source| PlanError::Place { what: format!("source `{}`", signal.name), source: Box::new(source) };
-    let mut warning = None;
-    let dimension = ground.mesh().dimension;
-    let forces = match &signal.action {
-        Action::Force { at, force } => {
-            let at = position(locator, at).map_err(placed)?;
-            let probe = ground.probe(locator, at).map_err(placed)?;
-            let (part, across) = share(planes, probe.position, ground.mesh().size(probe.element), *force);
-            if across > 1e-6 {
-                warning = Some(format!(
-                    "source `{}`: its force across the plane of symmetry that it stands on has no effect",
-                    signal.name
-                ));
-            }
-            ground.point_force(locator, at, force.map(|f| part * f)).map_err(placed)?
-        }
-        Action::Moment { at, moment, .. } => {
-            let at = position(locator, at).map_err(placed)?;
-            let probe = ground.probe(locator, at).map_err(placed)?;
-            let (part, _) = share(planes, probe.position, ground.mesh().size(probe.element), [0.0; 3]);
-            let [xx, yy, zz, xy, xz, yz] = moment.map(|m| part * m);
-            ground.moment(locator, at, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).map_err(placed)?
-        }
-        Action::Traction { boundary, traction } => {
-            ground.traction(boundary, |_| *traction).map_err(placed)?
-        }
-        Action::Patch { boundary, centre, horizontal, sigma, force } => {
-            let area = match dimension {
-                2 => (2.0 * std::f64::consts::PI).sqrt() * sigma,
-                _ => 2.0 * std::f64::consts::PI * sigma * sigma,
-            };
-            let of = |x: [f64; 3]| {
-                let counts = |i: usize| (i != 2 || !horizontal) && (i != 1 || dimension == 3);
-                let r2: f64 = (0..3).filter(|&i| counts(i)).map(|i| (x[i] - centre[i]).powi(2)).sum();
-                let factor = (-0.5 * r2 / (sigma * sigma)).exp() / area;
-                force.map(|f| factor * f)
-            };
-            ground.traction(boundary, of).map_err(placed)?
-        }
-    };
-    Ok((forces, warning))
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    a.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    a.map(|x| x / length)
 }
 
 #[cfg(test)]
