@@ -6,12 +6,16 @@
 //! ```
 //!
 //! A box of 32³ elements of order 4 under a point force, stepped at 0.9 of its critical step, its free
-//! surface looked at every fourth step, sub-sampled to every 10 ms and written to a file; five rounds of at least half a second each; the table
-//! gives medians. *Deformed*: inner corners moved at random by 15 % of an element. *Viscoelastic*: three
+//! surface looked at every fourth step, sub-sampled to every 10 ms and written to a file, and one station in the middle
+//! with its motion, strain and stress, looked at as often; five rounds of at least half a second each; the table gives
+//! medians. *Deformed*: inner corners moved at random by 15 % of an element. *Viscoelastic*: three
 //! mechanisms at every point; *coarse*: one of them at each. Bytes and operations are counted, not measured: every array once a step from memory, every
-//! operation of the kernel's formulas.
+//! operation of the kernel's formulas. *Process* is what the memory of the process grew by at its peak while the solid was
+//! made and stepped, with outputs: measured (Linux).
 
 #![allow(clippy::print_stdout)]
+
+mod limits;
 
 use hati::outputs::Provenance;
 use hati::outputs::decimate::Decimator;
@@ -20,7 +24,7 @@ use hati::outputs::wave::{Cells, WaveLayout, WaveWriter};
 use hati_coupling::Subdomain;
 use hati_sem::mesh::{BoxLayer, LayeredBox, Locator};
 use hati_sem::soil::Layer;
-use hati_sem::solid::{Execution, Ground, Material, Memory, Real, Solid, Watch, limits};
+use hati_sem::solid::{Execution, Gauge, Ground, Material, Memory, Probe, Real, Solid, Watch};
 use std::fmt::Write as _;
 use std::time::Instant;
 
@@ -80,13 +84,20 @@ fn main() {
         machine.fma[1] * 1e-9
     );
     let mut csv = String::from(
-        "mesh,law,precision,threads,M_element_steps_per_s,least,most,ns_per_point,surface_output_share,bytes_held_per_element,bytes_moved_per_element_step,flops_per_element_step,share_of_triad,share_of_multiply_add\n",
+        "mesh,law,precision,threads,M_element_steps_per_s,least,most,ns_per_point,output_share,bytes_held_per_element,bytes_process_per_element,bytes_moved_per_element_step,flops_per_element_step,share_of_triad,share_of_multiply_add\n",
     );
     println!("{}", HEAD);
     for deformed in [false, true] {
         for (law, memory) in LAWS.into_iter().filter(|(law, _)| law.starts_with(&options.law)) {
+            let before = mark_memory();
             let ground = ground(&options, deformed, memory);
+            let of_ground = grown(before) / ground.mesh().len() as f64;
+            let before = mark_memory();
             let dt = stable_step(&ground);
+            let of_bound = grown(before) / ground.mesh().len() as f64;
+            println!(
+                "process, B/element: mesh and ground {of_ground:.0}, bound of the step {of_bound:.0} for a while"
+            );
             let names = (if deformed { "deformed" } else { "affine" }, law);
             for threads in [1, 2] {
                 if options.only.is_empty() || options.only == "f32" {
@@ -191,7 +202,7 @@ fn pairs_in<T: Real>(grounds: &[Ground; 2], mesh: &str, rounds: usize) {
     );
 }
 
-const HEAD: &str = "mesh      law      prec threads | M element-steps/s (least, most) | ns/point | surface output | held B/el | moved B/el | flop/el | of triad | of FMA";
+const HEAD: &str = "mesh      law      prec threads | M element-steps/s (least, most) | ns/point | outputs | held B/el | process B/el | moved B/el | flop/el | of triad | of FMA";
 
 fn ground(options: &Options, deformed: bool, memory: Option<Memory>) -> Ground {
     let n = options.elements;
@@ -233,12 +244,59 @@ fn ground(options: &Options, deformed: bool, memory: Option<Memory>) -> Ground {
     ground
 }
 
-/// The loop that is timed: steps, and the surface if it is to be written.
+/// A number of `/proc/self/status`, bytes; NaN where there is none.
+fn process_bytes(key: &str) -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix(key));
+    line.and_then(|l| l.trim_matches([':', '\t', ' ', 'k', 'B']).parse().ok())
+        .map_or(f64::NAN, |kb: f64| 1024.0 * kb)
+}
+
+/// Forgets the peak so far; the peak from here on, less what is held now, is what [`grown`] gives.
+fn mark_memory() -> f64 {
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+    process_bytes("VmRSS")
+}
+
+fn grown(since: f64) -> f64 {
+    process_bytes("VmHWM") - since
+}
+
+/// A station with its tensors.
+struct Station {
+    probe: Probe,
+    watch: Watch,
+    gauge: Gauge,
+}
+
+/// The loop that is timed: steps, and the outputs if they are to be taken.
 struct Loop<T: Real> {
     solid: Solid<T>,
     watch: Watch,
     taken: usize,
+    station: Station,
     surface: Option<(Decimator, Background<WaveWriter>)>,
+}
+
+impl Station {
+    fn new<T: Real>(ground: &Ground, solid: &Solid<T>) -> Self {
+        let (min, max) = ground.mesh().extent();
+        let middle = std::array::from_fn(|i| 0.5 * (min[i] + max[i]) + 0.7);
+        let probe = ground.probe(&Locator::new(ground.mesh()), middle).expect("a point inside");
+        let points: Vec<u32> = probe.weights.iter().map(|w| w.0).collect();
+        let (watch, gauge) = (Watch::new(solid, &points), Gauge::new(solid, ground, &probe));
+        Self { probe, watch, gauge }
+    }
+
+    fn before<T: Real>(&mut self, solid: &Solid<T>) {
+        self.watch.before(solid);
+        std::hint::black_box(self.gauge.look(solid));
+    }
+
+    fn after<T: Real>(&mut self, solid: &Solid<T>) {
+        self.watch.after(solid);
+        std::hint::black_box(self.watch.at(&self.probe, 0));
+    }
 }
 
 impl<T: Real> Loop<T> {
@@ -269,7 +327,8 @@ impl<T: Real> Loop<T> {
             (decimator, Background::start(vec![writer], 8).expect("a writer"))
         });
         let watch = Watch::new(&solid, &ids);
-        Self { solid, watch, taken: 0, surface }
+        let station = Station::new(ground, &solid);
+        Self { solid, watch, taken: 0, station, surface }
     }
 
     fn step(&mut self) {
@@ -279,8 +338,10 @@ impl<T: Real> Loop<T> {
             return self.solid.step();
         }
         self.watch.before(&self.solid);
+        self.station.before(&self.solid);
         self.solid.step();
         self.watch.after(&self.solid);
+        self.station.after(&self.solid);
         let velocity = self.watch.velocity();
         let fill = |row: &mut [f32]| {
             for (c, part) in row.chunks_mut(velocity.len()).enumerate() {
@@ -326,23 +387,25 @@ fn case<T: Real>(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let folder = tempfile::tempdir().expect("a folder");
     let elements = ground.mesh().len();
-    let (rates, share, cost) = pool.install(|| {
+    let (rates, share, cost, process) = pool.install(|| {
         let mut plain = Loop::<T>::new(ground, dt, threads, None);
         let without = plain.rates(elements);
         let cost = plain.solid.cost();
         drop(plain);
+        let before = mark_memory();
         let mut whole = Loop::<T>::new(ground, dt, threads, Some(folder.path()));
         let rates = whole.rates(elements);
         let share = 1.0 - rates[ROUNDS / 2] / without[ROUNDS / 2];
-        (rates, share, cost)
+        (rates, share, cost, grown(before))
     });
     let rate = rates[ROUNDS / 2];
     let per = |x: f64| x / elements as f64;
     let (held, moved, flops) = (per(cost.bytes_held), per(cost.bytes_moved), per(cost.flops));
+    let process = per(process);
     let points = ground.numbering().nodes as f64 / elements as f64;
     let (triad, fma) = (rate * moved / machine.triad[kind], rate * flops / machine.fma[kind]);
     println!(
-        "{mesh:<9} {law:<8} {:<4} {threads:>7} | {:>17.3} ({:.3}, {:.3}) | {:>8.1} | {:>13.1}% | {held:>9.0} | {moved:>10.0} | {flops:>7.0} | {:>7.0}% | {:>5.0}%",
+        "{mesh:<9} {law:<8} {:<4} {threads:>7} | {:>17.3} ({:.3}, {:.3}) | {:>8.1} | {:>6.1}% | {held:>9.0} | {process:>12.0} | {moved:>10.0} | {flops:>7.0} | {:>7.0}% | {:>5.0}%",
         T::NAME,
         rate * 1e-6,
         rates[0] * 1e-6,
@@ -354,7 +417,7 @@ fn case<T: Real>(
     );
     let _ = writeln!(
         csv,
-        "{mesh},{law},{},{threads},{:.4},{:.4},{:.4},{:.2},{share:.4},{held:.0},{moved:.0},{flops:.0},{:.3},{:.3}",
+        "{mesh},{law},{},{threads},{:.4},{:.4},{:.4},{:.2},{share:.4},{held:.0},{process:.0},{moved:.0},{flops:.0},{:.3},{:.3}",
         T::NAME,
         rate * 1e-6,
         rates[0] * 1e-6,

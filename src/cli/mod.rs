@@ -67,8 +67,7 @@ impl Failure {
 
 impl From<PlanError> for Failure {
     fn from(e: PlanError) -> Self {
-        let memory = matches!(e, PlanError::Memory { .. } | PlanError::MemoryOfElements { .. });
-        let exit = if memory { Exit::Machine } else { Exit::WrongInput };
+        let exit = if e.is_memory() { Exit::Machine } else { Exit::WrongInput };
         Self::new(exit, e)
     }
 }
@@ -76,7 +75,7 @@ impl From<PlanError> for Failure {
 impl From<RunError> for Failure {
     fn from(e: RunError) -> Self {
         let exit = match &e {
-            RunError::Plan(PlanError::Memory { .. } | PlanError::MemoryOfElements { .. }) => Exit::Machine,
+            RunError::Plan(e) if e.is_memory() => Exit::Machine,
             RunError::Scene(_) | RunError::Plan(_) | RunError::Sem(_) => Exit::WrongInput,
             RunError::Output(_) => Exit::Machine,
             RunError::Coupling(hati_coupling::CouplingError::Unstable { .. }) => Exit::Unstable,

@@ -60,13 +60,39 @@ pub enum PlanError {
     },
     /// A plane of symmetry that is none.
     #[error(
-        "domain.boundary.{boundary} = \"symmetry\": its sides do not lie in one plane (normals differ by {angle:.3} degrees)\n  help: name each plane in a physical group of its own"
+        "domain.boundary.{boundary} = \"symmetry\": its sides do not lie in one plane (normals are up to {angle:.2e} degrees off their mean, points up to {distance:.2e} m off the mean plane)\n  help: name each plane in a physical group of its own, or give its nodes' coordinates more digits"
     )]
     BentSymmetry {
         /// The boundary.
         boundary: String,
-        /// Largest angle between normals, degrees.
+        /// Largest angle between a normal and their mean, degrees.
         angle: f64,
+        /// Largest distance of a point from the mean plane, m.
+        distance: f64,
+    },
+    /// A source that moves nothing.
+    #[error("source `{name}` does nothing: {why}\n  help: {help}")]
+    NoEffect {
+        /// Its name.
+        name: String,
+        /// Why.
+        why: String,
+        /// What to do.
+        help: String,
+    },
+    /// The sources' time functions do not fit into memory.
+    #[error(
+        "the run takes {steps:.3e} steps, and {functions} time functions of sources at each need {needed_mb:.0} MB of memory; {available_mb:.0} MB are free\n  help: shorten run.duration, give a larger discretisation.dt, or let sources share a wavelet"
+    )]
+    MemoryOfSources {
+        /// Need, MB.
+        needed_mb: f64,
+        /// Free, MB.
+        available_mb: f64,
+        /// Steps of the run.
+        steps: f64,
+        /// Time functions that differ.
+        functions: usize,
     },
     /// A source on a plane of symmetry that is not its own mirror image.
     #[error(
@@ -189,4 +215,11 @@ pub enum PlanError {
     /// The search had nothing to choose from.
     #[error("no discretisation could be formed: check discretisation.order and discretisation.elements")]
     NoCandidate,
+}
+
+impl PlanError {
+    /// Whether the machine's memory is too small for what is asked, and nothing is wrong with the scene itself.
+    pub fn is_memory(&self) -> bool {
+        matches!(self, Self::Memory { .. } | Self::MemoryOfElements { .. } | Self::MemoryOfSources { .. })
+    }
 }

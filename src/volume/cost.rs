@@ -6,9 +6,12 @@ use crate::plan::{PlanError, available_memory};
 use hati_inputs::scene::{MemoryVariables, Precision};
 use std::sync::LazyLock;
 
-/// Vectors of f64 that the spectral bound keeps of the whole ground: it ends after about ten steps at the tolerance
-/// asked, twice that where the mesh is graded.
-const LANCZOS_VECTORS: f64 = 20.0;
+/// Vectors of f64 of the whole ground that the spectral bound holds at once: three of the basis, masses and their roots,
+/// the two of a product, that product's copy, and the points' places (two words of three).
+const LANCZOS_VECTORS: f64 = 8.7;
+/// Where the ground has few freedoms all vectors are kept, some tens of them.
+const LANCZOS_KEPT: f64 = 100.0;
+const LANCZOS_FEW: f64 = 20_000.0;
 
 /// The stored result of `make bench`, and its name.
 const BENCH: (&str, &str) = (
@@ -67,7 +70,19 @@ impl Speed {
     }
 }
 
-/// Bytes of a run: the ground in f64, the solid, scratch, and the vectors of the spectral bound.
+/// Bytes of the vectors of the spectral bound: they are gone before a run opens its outputs.
+fn spectral_bytes(elements: f64, dimension: usize, order: usize) -> f64 {
+    let freedoms = 3.0 * points(elements, dimension, order);
+    let kept = if freedoms > LANCZOS_FEW { 0.0 } else { LANCZOS_KEPT };
+    8.0 * freedoms * (LANCZOS_VECTORS + kept)
+}
+
+/// Points of so many elements, about: what the rim has more is a tenth at most of a large ground.
+fn points(elements: f64, dimension: usize, order: usize) -> f64 {
+    elements * (order as f64).powi(dimension as i32) * 1.1
+}
+
+/// Bytes of a run: the ground in f64, the solid, scratch.
 ///
 /// Counted from the arrays: `per_point` 36 bytes of the ground's mass and maps, seven numbers of the solid and a
 /// local number; `per_element` connectivity, local numbers, metric, memory variables.
@@ -81,14 +96,13 @@ fn bytes(
 ) -> f64 {
     let number = if precision == Precision::F64 { 8.0 } else { 4.0 };
     let local = ((order + 1) as f64).powi(dimension as i32);
-    let points = elements * (order as f64).powi(dimension as i32) * 1.1;
+    let points = points(elements, dimension, order);
     let components = if dimension == 2 { 5.0 } else { 6.0 };
     let per_element =
         4.0 * local + 2.0 * local + 64.0 + 21.0 * number + arms as f64 * components * local * number;
     let per_point = 36.0 + 8.0 * number;
     let scratch = 4.0 * threads as f64 * 9.0 * 65536.0 * number;
-    let lanczos = LANCZOS_VECTORS * 3.0 * 8.0 * points;
-    elements * per_element + points * per_point + scratch + lanczos
+    elements * per_element + points * per_point + scratch
 }
 
 /// Refuses what cannot fit, before anything of that size is made.
@@ -99,7 +113,8 @@ pub(super) fn expect_memory(
     is_box: bool,
 ) -> Result<(), PlanError> {
     let Some(available) = available_memory() else { return Ok(()) };
-    let needed = bytes(elements, dimension, order, Precision::F32, 0, 1);
+    let needed =
+        bytes(elements, dimension, order, Precision::F32, 0, 1) + spectral_bytes(elements, dimension, order);
     if needed <= available {
         return Ok(());
     }
@@ -111,6 +126,17 @@ pub(super) fn expect_memory(
     let help = help.to_owned();
     let (needed_mb, available_mb) = (needed / 1e6, available / 1e6);
     Err(PlanError::MemoryOfElements { needed_mb, available_mb, elements, order, help })
+}
+
+/// Refuses time functions that cannot fit, before any is made: one array for each that differs.
+pub(super) fn expect_amplitudes(steps: u64, functions: usize) -> Result<(), PlanError> {
+    let Some(available) = available_memory() else { return Ok(()) };
+    let needed = 8.0 * steps as f64 * functions as f64;
+    if needed <= available {
+        return Ok(());
+    }
+    let (needed_mb, available_mb) = (needed / 1e6, available / 1e6);
+    Err(PlanError::MemoryOfSources { needed_mb, available_mb, steps: steps as f64, functions })
 }
 
 impl VolumePlan {
@@ -126,7 +152,7 @@ impl VolumePlan {
     pub fn memory(&self) -> f64 {
         let (order, arms) = (self.resolution.order, self.arms_per_point());
         let solid = bytes(self.elements() as f64, self.dimension, order, self.precision, arms, self.threads);
-        let loads: usize = 8 * self.sampling.steps() as usize;
+        let loads = self.ground.load_bytes() as f64;
         let watched = |points: usize| 80.0 * points as f64;
         let kept = |rows: &Rows, values: f64| match rows {
             Rows::Picked { .. } => 16.0 * values,
@@ -140,7 +166,8 @@ impl VolumePlan {
             let local = ((order + 1) as f64).powi(self.dimension as i32);
             f.grid.points() as f64 * (92.0 * local) + kept(&f.rows, 9.0 * f.grid.points() as f64)
         });
-        solid + loads as f64 + surface.chain(volume).chain(field).sum::<f64>()
+        let outputs = surface.chain(volume).chain(field).sum::<f64>();
+        solid + loads + outputs.max(spectral_bytes(self.elements() as f64, self.dimension, order))
     }
 
     /// Size of the run folder, bytes, while it grows: nothing is compressed then.

@@ -24,6 +24,8 @@ const NAMED: usize = 4;
 pub(super) struct Notes {
     pub(super) warnings: Vec<String>,
     pub(super) remarks: Vec<String>,
+    /// Sources' names, and what is worth knowing of them.
+    pub(super) sources: Vec<(String, String)>,
     /// Relative tolerance that the critical step was found to.
     pub(super) step_tolerance: f64,
 }
@@ -76,6 +78,9 @@ impl VolumePlan {
         self.explain_outputs(scene, &mut told);
         self.warnings.extend(notes.warnings);
         self.warnings.extend(self.file.iter().flat_map(|f| f.notes.iter().cloned()));
+        for (name, remark) in notes.sources {
+            told.remark("source", name, remark);
+        }
         notes.remarks.into_iter().for_each(|r| told.remark("output.stations", String::new(), r));
         self.warn(facts);
         (self.reasons, self.resolved) = (told.reasons, told.resolved);

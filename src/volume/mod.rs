@@ -14,6 +14,7 @@ mod error;
 mod explain;
 mod fields;
 mod files;
+pub mod forces;
 pub mod mesh;
 mod picture;
 mod plan;

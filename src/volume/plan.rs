@@ -1,6 +1,7 @@
 //! Everything that a run in two or three dimensions needs, decided.
 
 use super::explain::{Facts, Notes};
+use super::forces;
 use super::mesh::{self, BoxSizes, FileMesh, MeshOptions, PlannedBoundary};
 use super::rounding::{self, Rounding};
 use super::sampling::{Rows, Sampling, auto_rows, step_for};
@@ -14,6 +15,7 @@ use hati_inputs::scene::{
 };
 use hati_sem::mesh::{Locator, Mesh, MeshReport, Resolution};
 use hati_sem::solid::{Execution, Ground, Material, Memory, Probe, Solid, Support};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Wall time between checkpoints where the scene leaves it open.
@@ -210,7 +212,7 @@ impl VolumePlan {
         let bound_in = asked.value().copied().unwrap_or(Precision::F32);
         let dt_critical = critical(&ground, bound_in, threads, &mut notes)?;
         let sampling = sampling(scene, dt_critical, &limiting, &frequencies, time)?;
-        let (sources, moves_y) = load(scene, &mut ground, &signals, &sampling)?;
+        let (sources, moves_y) = load(scene, &mut ground, &signals, &sampling, &mut notes)?;
         let record_sha256 = signals.iter().filter_map(|s| Some(s.record.as_ref()?.sha256.clone())).collect();
         let mut plan = Self {
             dimension: scene.dimension(),
@@ -453,25 +455,37 @@ fn load(
     ground: &mut Ground,
     signals: &[Signal],
     sampling: &Sampling,
+    notes: &mut Notes,
 ) -> Result<(Vec<PlannedSource>, bool), PlanError> {
-    let planes = symmetry::planes(scene, ground.mesh())?;
+    let first = sources::shared_amplitudes(signals);
+    let distinct = (0..signals.len()).filter(|&i| first[i] == i).count();
+    super::cost::expect_amplitudes(sampling.steps(), distinct)?;
+    let planes = symmetry::planes(scene, ground)?;
     let (mut planned, mut all) = (vec![], vec![]);
     {
         let locator = Locator::new(ground.mesh());
         for signal in signals {
-            let placed = sources::place(ground, &locator, &planes, signal)?;
+            let made = forces::forces(ground, &locator, &planes, signal)?;
+            notes.warnings.extend(made.warnings);
+            notes.sources.extend(made.remark.map(|r| (signal.name.clone(), r)));
             planned.push(PlannedSource {
                 name: signal.name.clone(),
-                position: placed.position,
-                element_size: placed.element.map(|e| longest_edge(ground.mesh(), e)),
+                position: made.position,
+                element_size: made.element.map(|e| longest_edge(ground.mesh(), e)),
             });
-            all.push(placed.forces);
+            all.push(made.forces);
         }
     }
     let steps = sampling.steps() as usize;
     let moves_y = ground.mesh().dimension == 3 || all.iter().flatten().any(|(_, f)| f[1] != 0.0);
-    for (forces, signal) in all.into_iter().zip(signals) {
-        ground.add_load(forces, signal.amplitude(sampling.dt, steps));
+    let mut amplitudes: Vec<Arc<Vec<f64>>> = vec![];
+    for (i, (forces, signal)) in all.into_iter().zip(signals).enumerate() {
+        amplitudes.push(if first[i] < i {
+            Arc::clone(&amplitudes[first[i]])
+        } else {
+            Arc::new(signal.amplitude(sampling.dt, steps))
+        });
+        ground.add_shared_load(forces, Arc::clone(&amplitudes[i]));
     }
     Ok((planned, moves_y))
 }
@@ -484,7 +498,7 @@ fn sensors(scene: &Scene, ground: &Ground, notes: &mut Notes) -> Result<Vec<Plan
             what: format!("station `{}`", sensor.name),
             source: Box::new(source),
         };
-        let asked = sources::position(&locator, &sensor.at).map_err(placed)?;
+        let asked = forces::position(&locator, &sensor.at).map_err(placed)?;
         let probe = ground.probe(&locator, asked).map_err(placed)?;
         let on_side = |x: &f64| (1.0 - x.abs()).abs() < 1e-9;
         let local = &probe.local[..ground.mesh().dimension];

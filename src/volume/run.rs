@@ -409,3 +409,6 @@ impl Loop<'_, '_> {
         checkpoint::write(self.out, head, streams, solid)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -41,7 +41,7 @@ impl Sampling {
 
     /// Steps of the run: one after the last sample's kick.
     pub fn steps(&self) -> u64 {
-        ((self.samples - 1) * self.stride + 1) as u64
+        (self.samples as u64 - 1).saturating_mul(self.stride as u64).saturating_add(1)
     }
 
     /// How rows every `dt_out` seconds are made of samples, whose motion goes up to `highest` Hz.

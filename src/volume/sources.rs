@@ -1,16 +1,9 @@
-//! Sources: what they push, and their time functions at the kicks.
+//! Sources and their time functions at the kicks; [`super::forces`] tells what they push.
 
-use super::symmetry::{self, Plane};
 use crate::plan::PlanError;
 use hati_inputs::motion::{Quantity, resample_as};
 use hati_inputs::records::{self, Channel, ReadOptions};
-use hati_inputs::scene::{Action, Place, Pulse, PulseKind, Scene, SourceTerm, TimeFunction};
-use hati_sem::SemError;
-use hati_sem::mesh::Locator;
-use hati_sem::solid::Ground;
-
-/// Points and forces per unit amplitude.
-type Forces = Vec<(u32, [f64; 3])>;
+use hati_inputs::scene::{Action, Pulse, PulseKind, Scene, SourceTerm, TimeFunction};
 
 /// A source with its record read.
 #[derive(Debug, Clone)]
@@ -51,10 +44,23 @@ pub fn signals(scene: &Scene) -> Result<Vec<Signal>, PlanError> {
     Ok(terms.into_iter().map(signal).collect())
 }
 
+/// For each signal the first one with the same amplitude at every instant: signals of one number share one array.
+pub fn shared_amplitudes(signals: &[Signal]) -> Vec<usize> {
+    let first = |s: &Signal| {
+        signals.iter().position(|other| other.time == s.time && other.is_rate() == s.is_rate()).unwrap_or(0)
+    };
+    signals.iter().map(first).collect()
+}
+
 impl Signal {
+    /// Whether the time function is the rate of what acts.
+    fn is_rate(&self) -> bool {
+        matches!(self.action, Action::Moment { rate: true, .. })
+    }
+
     /// Amplitude at the kicks t = n `dt`, `count` of them; a moment's rate is integrated.
     pub fn amplitude(&self, dt: f64, count: usize) -> Vec<f64> {
-        let integrate = matches!(self.action, Action::Moment { rate: true, .. });
+        let integrate = self.is_rate();
         match (&self.time, &self.record) {
             (TimeFunction::Pulse(pulse), _) if integrate => integral(pulse, dt, count),
             (TimeFunction::Pulse(pulse), _) => (0..count).map(|n| pulse.value(n as f64 * dt)).collect(),
@@ -115,96 +121,6 @@ fn cubic(x: &[f64], i: usize, s: f64) -> f64 {
     let at = |k: usize| x[(i + k).saturating_sub(1).min(x.len() - 1)];
     let (a, b, c, d) = (at(0), at(1), at(2), at(3));
     b + 0.5 * s * (c - a + s * (2.0 * a - 5.0 * b + 4.0 * c - d + s * (3.0 * (b - c) + d - a)))
-}
-
-/// Coordinates of a place; a depth counts from the boundary `top`.
-pub fn position(locator: &Locator<'_>, place: &Place) -> Result<[f64; 3], SemError> {
-    match *place {
-        Place::Point(point) => Ok(point),
-        Place::Below { x, y, depth } => {
-            let top = locator.find_on_surface(x, y)?.position;
-            Ok([x, y, top[2] - depth])
-        }
-    }
-}
-
-/// A source as it acts on the points of the ground.
-#[derive(Debug, Clone)]
-pub struct Placed {
-    /// Points and forces per unit of its time function.
-    pub forces: Forces,
-    /// Where it acts, m: of a force, a moment or the centre of a patch.
-    pub position: Option<[f64; 3]>,
-    /// The element that holds a force or a moment.
-    pub element: Option<usize>,
-}
-
-/// Puts a source on the ground. Error: a place outside; what a plane of symmetry through it turns round.
-pub fn place(
-    ground: &Ground,
-    locator: &Locator<'_>,
-    planes: &[Plane],
-    signal: &Signal,
-) -> Result<Placed, PlanError> {
-    let name = signal.name.as_str();
-    let placed = |source| PlanError::Place { what: format!("source `{name}`"), source: Box::new(source) };
-    let mesh = ground.mesh();
-    let (mut position, mut element) = (None, None);
-    let mut stand = |at: &Place| -> Result<_, PlanError> {
-        let at = self::position(locator, at).map_err(placed)?;
-        let probe = ground.probe(locator, at).map_err(placed)?;
-        let size = mesh.size(probe.element);
-        (position, element) = (Some(probe.position), Some(probe.element));
-        let through: Vec<&Plane> = planes.iter().filter(|p| p.holds(probe.position, size)).collect();
-        Ok((at, symmetry::share(planes, probe.position, size), through))
-    };
-    let forces = match &signal.action {
-        Action::Force { at, force } => {
-            let (at, part, through) = stand(at)?;
-            through.iter().try_for_each(|p| p.expect_along(name, *force))?;
-            ground.point_force(locator, at, force.map(|f| part * f)).map_err(placed)?
-        }
-        Action::Moment { at, moment, .. } => {
-            let (at, part, through) = stand(at)?;
-            through.iter().try_for_each(|p| p.expect_mirrored(name, *moment))?;
-            let [xx, yy, zz, xy, xz, yz] = moment.map(|m| part * m);
-            ground.moment(locator, at, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).map_err(placed)?
-        }
-        Action::Traction { boundary, traction } => {
-            ground.traction(boundary, |_| *traction).map_err(placed)?
-        }
-        Action::Patch { boundary, centre, horizontal, sigma, force } => {
-            position = Some(*centre);
-            // a patch that spreads over a plane is cut there as a point source is
-            planes
-                .iter()
-                .filter(|p| p.holds(*centre, *sigma))
-                .try_for_each(|p| p.expect_along(name, *force))?;
-            let of = patch(mesh.dimension, *centre, *horizontal, *sigma, *force);
-            ground.traction(boundary, of).map_err(placed)?
-        }
-    };
-    Ok(Placed { forces, position, element })
-}
-
-/// Traction of a patch at a place, Pa.
-fn patch(
-    dimension: usize,
-    centre: [f64; 3],
-    horizontal: bool,
-    sigma: f64,
-    force: [f64; 3],
-) -> impl Fn([f64; 3]) -> [f64; 3] {
-    let area = match dimension {
-        2 => (2.0 * std::f64::consts::PI).sqrt() * sigma,
-        _ => 2.0 * std::f64::consts::PI * sigma * sigma,
-    };
-    move |x| {
-        let counts = |i: usize| (i != 2 || !horizontal) && (i != 1 || dimension == 3);
-        let r2: f64 = (0..3).filter(|&i| counts(i)).map(|i| (x[i] - centre[i]).powi(2)).sum();
-        let factor = (-0.5 * r2 / (sigma * sigma)).exp() / area;
-        force.map(|f| factor * f)
-    }
 }
 
 #[cfg(test)]

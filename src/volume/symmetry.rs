@@ -6,65 +6,88 @@
 
 use crate::plan::PlanError;
 use hati_inputs::scene::{BoundaryKind, Scene};
-use hati_sem::mesh::Mesh;
+use hati_sem::solid::{FLAT, Ground, Probe};
+use std::collections::HashSet;
 
-/// A plane of symmetry: its boundary, a point of it and its normal.
+/// A plane of symmetry: its boundary, a point of it, its normal, and the points of the ground on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
     boundary: String,
     point: [f64; 3],
     normal: [f64; 3],
+    pub(super) points: HashSet<u32>,
 }
 
-/// Largest angle between normals of one plane, rad: meshers leave some 1e-9.
-const FLAT: f64 = 1e-5;
-/// Distance from a plane below which a source stands on it, as a share of an element's or the mesh's size.
-const ON: f64 = 1e-6;
+/// Weights of points beyond a plane below which a place is on it.
+const ON_PLANE: f64 = 1e-4;
 /// What may cross a plane, as a share of the source: round-off of a direction that the user computed.
 const ACROSS: f64 = 1e-6;
 
-/// The planes of symmetry of a mesh, each once. Error: a boundary that is bent.
-pub fn planes(scene: &Scene, mesh: &Mesh) -> Result<Vec<Plane>, PlanError> {
+/// The planes of symmetry of a ground, each once. Error: a boundary that is bent.
+pub fn planes(scene: &Scene, ground: &Ground) -> Result<Vec<Plane>, PlanError> {
     let mut planes: Vec<Plane> = vec![];
-    let size = mesh.extent();
-    let length = (0..3).map(|i| size.1[i] - size.0[i]).fold(0.0, f64::max);
-    for boundary in &mesh.boundaries {
+    let mesh = ground.mesh();
+    let length = length(ground);
+    for boundary in mesh.boundaries.iter().filter(|b| !b.sides.is_empty()) {
         if scene.boundary_kind(&boundary.name) != BoundaryKind::Symmetry {
             continue;
         }
-        let mut own: Option<Plane> = None;
-        for &side in &boundary.sides {
-            let local = mesh.side_local(side, [0.0; 2]);
-            let plane = Plane {
-                boundary: boundary.name.clone(),
-                point: mesh.position(side.element as usize, local),
-                normal: unit(mesh.side_normal(side, local)),
-            };
-            let first = own.get_or_insert_with(|| plane.clone());
-            let sine = norm(cross(first.normal, plane.normal));
-            if sine > FLAT || first.distance(plane.point) > ON * length {
-                let angle = sine.min(1.0).asin().to_degrees();
-                return Err(PlanError::BentSymmetry { boundary: boundary.name.clone(), angle });
-            }
+        let mean = ground.boundary_plane(&boundary.name)?;
+        if !mean.is_flat() || mean.distance > 1e-6 * length {
+            let (angle, distance) = (mean.angle.to_degrees(), mean.distance);
+            return Err(PlanError::BentSymmetry { boundary: boundary.name.clone(), angle, distance });
         }
-        let known = |p: &Plane| {
-            planes
-                .iter()
-                .any(|q| norm(cross(p.normal, q.normal)) <= FLAT && q.distance(p.point) <= ON * length)
+        let points: HashSet<u32> = ground.boundary_points(&boundary.name)?.into_iter().collect();
+        // two boundaries may lie in one plane, which then halves a source once
+        let same = |p: &&mut Plane| {
+            norm(cross(p.normal, mean.normal)) <= 2.0 * FLAT && p.outside(mean.point).abs() <= 1e-6 * length
         };
-        planes.extend(own.filter(|p| !known(p)));
+        match planes.iter_mut().find(same) {
+            Some(plane) => plane.points.extend(points),
+            None => planes.push(Plane {
+                boundary: boundary.name.clone(),
+                point: mean.point,
+                normal: mean.normal,
+                points,
+            }),
+        }
     }
     Ok(planes)
 }
 
+/// Longest extent of a ground, m.
+pub(super) fn length(ground: &Ground) -> f64 {
+    let (min, max) = ground.mesh().extent();
+    (0..3).map(|i| max[i] - min[i]).fold(0.0, f64::max)
+}
+
 impl Plane {
-    fn distance(&self, x: [f64; 3]) -> f64 {
-        (0..3).map(|i| self.normal[i] * (x[i] - self.point[i])).sum::<f64>().abs()
+    /// Distance of a place beyond the plane, m; negative on the ground's side.
+    pub(super) fn outside(&self, x: [f64; 3]) -> f64 {
+        (0..3).map(|i| self.normal[i] * (x[i] - self.point[i])).sum()
     }
 
-    /// Whether a point lies on it; `size` is the extent of the element around, m.
-    pub fn holds(&self, x: [f64; 3], size: f64) -> bool {
-        self.distance(x) <= ON * size
+    /// Whether a place stands on the boundary itself, and not on its mere extension through the ground.
+    pub(super) fn carries(&self, ground: &Ground, probe: &Probe) -> bool {
+        let beyond: f64 =
+            probe.weights.iter().filter(|w| !self.points.contains(&w.0)).map(|w| w.1.abs()).sum();
+        self.outside(probe.position).abs() <= 1e-6 * ground.mesh().size(probe.element) && beyond <= ON_PLANE
+    }
+
+    /// A vector without its part across the plane.
+    pub(super) fn along(&self, f: [f64; 3]) -> [f64; 3] {
+        let across = dot(self.normal, f);
+        std::array::from_fn(|i| f[i] - across * self.normal[i])
+    }
+
+    /// The part of a moment that its mirror image equals: $M - NM - MN + 2NMN$, $N = nn^T$.
+    pub(super) fn mirrored(&self, m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        let n = self.normal;
+        let row = m.map(|row| dot(row, n));
+        let both = dot(row, n);
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| m[i][j] - n[i] * row[j] - row[i] * n[j] + 2.0 * both * n[i] * n[j])
+        })
     }
 
     /// Number of the axis that it is normal to, if it is to one.
@@ -122,30 +145,29 @@ fn tidy(x: f64) -> f64 {
     (x * 1e4).round() / 1e4 + 0.0
 }
 
-/// Share of a point source that the model carries: a half for every plane of symmetry through it.
-pub fn share(planes: &[Plane], at: [f64; 3], size: f64) -> f64 {
-    planes.iter().filter(|p| p.holds(at, size)).map(|_| 0.5).product()
-}
-
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
 }
 
 fn norm(a: [f64; 3]) -> f64 {
     a.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    a.map(|x| x / length)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn unit(a: [f64; 3]) -> [f64; 3] {
+        let length = norm(a);
+        a.map(|x| x / length)
+    }
+
     fn plane(normal: [f64; 3]) -> Plane {
-        Plane { boundary: "mirror".into(), point: [0.0; 3], normal: unit(normal) }
+        Plane { boundary: "mirror".into(), point: [0.0; 3], normal: unit(normal), points: HashSet::new() }
     }
 
     /// What mirroring leaves as it is passes; what it turns round does not, whatever way the plane stands.

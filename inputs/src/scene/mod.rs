@@ -34,7 +34,7 @@ pub use crate::motion::{Process, Quantity};
 pub use crate::records::{ResponseMode, Unit};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use load::{Source, Written, load, load_str, load_with};
-pub use pulse::{Pulse, PulseKind};
+pub use pulse::{Pulse, PulseKind, erf};
 pub use resolved::{Resolved, resolved_toml};
 pub use schema::{reference_markdown, schema};
 pub use topography::Topography;

@@ -49,7 +49,7 @@ pub(super) fn one() -> f64 {
 /// Error function to round-off: erf x = 2/√π exp(−x²) Σ 2ⁿ x²ⁿ⁺¹/(2n + 1)!!, whose terms all have one sign.
 ///
 /// Abramowitz & Stegun (1964), 7.1.6. Beyond 6 the rest, 2e−17, is below the last digit.
-fn erf(x: f64) -> f64 {
+pub fn erf(x: f64) -> f64 {
     if x.abs() >= 6.0 || x.is_nan() {
         return if x.is_nan() { x } else { x.signum() };
     }

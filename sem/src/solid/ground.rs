@@ -220,6 +220,11 @@ impl Ground {
         self.loads.push(Load { forces, amplitude });
     }
 
+    /// The loads.
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
     /// Bytes of the loads, an amplitude that several share counted once.
     pub fn load_bytes(&self) -> usize {
         let mut amplitudes: Vec<&Arc<Vec<f64>>> = self.loads.iter().map(|l| &l.amplitude).collect();

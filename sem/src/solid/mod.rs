@@ -28,7 +28,6 @@ mod held;
 mod kernel;
 mod laws;
 mod layout;
-pub mod limits;
 mod material;
 mod memory;
 mod model;

@@ -93,11 +93,6 @@ fn dispatch<W: WithSimd<Output = ()>>(leaf: W) {
     let _ = leaf;
 }
 
-/// Runs work on the widest vectors, or on none.
-pub(super) fn dispatch_or_scalar<W: WithSimd>(work: W) -> W::Output {
-    Arch::new().dispatch(work)
-}
-
 #[allow(unreachable_pub)]
 pub struct Blocks<'a, T: Real> {
     model: &'a Model<T>,

@@ -1,15 +1,13 @@
 //! What the machine allows: bandwidth and arithmetic on one core, measured with the kernel's own vectors.
 
-use super::real::Real;
-use super::step;
-use crate::aligned::Aligned;
-use pulp::{Simd, WithSimd};
+use hati_sem::solid::Real;
+use pulp::{Arch, Simd, WithSimd};
 use std::time::Instant;
 
 /// Bandwidth of the triad $a_i = b_i + s\,c_i$ on arrays of `numbers` numbers, B/s: best of `repeats`.
 ///
 /// Three transfers per number are counted, as STREAM does; the write's own fetch is not.
-pub fn triad_bandwidth<T: Real>(numbers: usize, repeats: usize) -> f64 {
+pub(crate) fn triad_bandwidth<T: Real>(numbers: usize, repeats: usize) -> f64 {
     struct Triad<'a, T>(&'a mut [T], &'a [T], &'a [T]);
     impl<T: Real> WithSimd for Triad<'_, T> {
         type Output = ();
@@ -21,14 +19,14 @@ pub fn triad_bandwidth<T: Real>(numbers: usize, repeats: usize) -> f64 {
             }
         }
     }
-    let (mut a, b) =
-        (Aligned::<T>::zeros(numbers), (0..numbers).map(|i| T::of(i as f64)).collect::<Aligned<T>>());
-    let c: Aligned<T> = (0..numbers).map(|i| T::of(0.5 * i as f64)).collect();
+    let mut a = vec![T::default(); numbers];
+    let b: Vec<T> = (0..numbers).map(|i| T::of(i as f64)).collect();
+    let c: Vec<T> = (0..numbers).map(|i| T::of(0.5 * i as f64)).collect();
     let bytes = (3 * numbers * size_of::<T>()) as f64;
     let best = (0..repeats)
         .map(|_| {
             let start = Instant::now();
-            step::dispatch_or_scalar(Triad(&mut a, &b, &c));
+            Arch::new().dispatch(Triad(&mut a, &b, &c));
             start.elapsed().as_secs_f64()
         })
         .fold(f64::INFINITY, f64::min);
@@ -37,7 +35,7 @@ pub fn triad_bandwidth<T: Real>(numbers: usize, repeats: usize) -> f64 {
 }
 
 /// Fused multiply–adds that one core finishes, flop/s (two a lane): ten independent chains, best of `repeats`.
-pub fn fma_peak<T: Real>(repeats: usize) -> f64 {
+pub(crate) fn fma_peak<T: Real>(repeats: usize) -> f64 {
     const CHAINS: usize = 10;
     const ROUNDS: usize = 200_000;
     struct Chains<T>(std::marker::PhantomData<T>);
@@ -64,7 +62,7 @@ pub fn fma_peak<T: Real>(repeats: usize) -> f64 {
     (0..repeats)
         .map(|_| {
             let start = Instant::now();
-            let (lanes, sum) = step::dispatch_or_scalar(Chains::<T>(std::marker::PhantomData));
+            let (lanes, sum) = Arch::new().dispatch(Chains::<T>(std::marker::PhantomData));
             std::hint::black_box(sum);
             (2 * CHAINS * ROUNDS * lanes) as f64 / start.elapsed().as_secs_f64()
         })
