@@ -257,7 +257,12 @@ impl VolumePlan {
                     rows.reach()
                 ),
             };
-            told.add(key, format!("{dt:.6e} s"), auto, &format!("{what}: {how}"), json!(dt));
+            let (value, why) = (format!("{dt:.6e} s"), format!("{what}: {how}"));
+            // what becomes of the motion matters whoever chose the instants
+            match auto {
+                true => told.add(key, value, true, &why, json!(dt)),
+                false => told.remark(key, value, format!("user: {why}")),
+            }
         };
         if let (Some(plan), Some(asked)) = (&self.surface, &output.surface) {
             let what = format!("{} points of `{}`", plan.points.len(), plan.boundary);

@@ -46,7 +46,7 @@ const MISTAKES: [(&str, &str, usize, &str, &[&str]); 5] = [
         "thickness = -5.0",
         9,
         "soil.layer[1].thickness",
-        &["above 0 and of at most 100000 m", "-5 m"],
+        &["at least 1e-6 and of at most 100000 m", "-5 m"],
     ),
     ("vs = 150.0", "vs = 1200.0", 10, "soil.layer[1].vs", &["1200 m/s", "vp/√2 = 778 m/s", "Poisson"]),
     ("damping = 0.02", "dampin = 0.02", 13, "soil.layer[1].dampin", &["unknown key", "`damping`"]),
