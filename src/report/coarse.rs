@@ -42,9 +42,12 @@ pub(crate) fn coarse_figure(orders: &[CoarseCurve], qualities: &[CoarseCurve]) -
         None => String::new(),
     };
     type Pick = fn(&CoarseCurve) -> (&[f64], &[f64]);
+
+    /// Curves, heading, what is drawn of them, and the range drawn.
+    type CoarsePanel<'a> = (&'a [CoarseCurve], String, Pick, (f64, f64));
     let amplitude: Pick = |c| (&c.amplitude, &c.amplitude_full);
     let velocity: Pick = |c| (&c.velocity, &c.velocity_full);
-    let panels: [(&[CoarseCurve], String, Pick, (f64, f64)); 3] = [
+    let panels: [CoarsePanel<'_>; 3] = [
         (orders, name(orders, "amplitude"), amplitude, (1e-4, 1.0)),
         (orders, name(orders, "phase velocity"), velocity, (1e-6, 1e-1)),
         (qualities, of_order, amplitude, (1e-4, 1.0)),

@@ -160,7 +160,7 @@ fn a_plan_tells_rows_that_are_filtered_and_a_filter_that_is_long() {
     let (reasons, told) = plan(&[]);
     assert!(reasons.contains("taken as they are") && !told.contains("filter"), "{reasons} {told}");
     // rows of 0.02 s hold the 10.7 Hz of the pulse, and not the 21 Hz of a quicker one, whatever f_max says
-    let quicker = ["--set", "source[1].wavelet.frequency=15", "--set", "discretisation.f_max=5"];
+    let quicker = ["--set", "source[1].wavelet.frequency=10", "--set", "discretisation.f_max=10"];
     let (reasons, told) = plan(&quicker);
     assert!(reasons.contains("low-passed at 25.000 Hz") && reasons.contains("0.220 s ahead"), "{reasons}");
     assert!(told.contains("reaches 0.220 s ahead and back, 55 %"), "{told}");

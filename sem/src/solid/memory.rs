@@ -14,8 +14,8 @@ use std::f64::consts::{PI, TAU};
 /// **Coarse.** An element's points are dealt out to the mechanisms, class $(i+j+k) \bmod L$ of the point with
 /// indices i, j, k along the local axes, and a point keeps the arm of its class alone. With $\varphi_l$ the share of the
 /// quadrature's weight that arm $l$'s points carry, such a point has, of a modulus $R + \sum_l g_l\,i\omega/(\omega_l+i\omega)$,
-/// $$ \hat M_l(\omega) = R + \sum_m r_m g_m
-///    + \frac{g_l}{\varphi_l}\left(\frac{i\omega}{\omega_l + i\omega} - r_l\right), $$
+/// $$ \hat M_l(\omega) = R + \sum_m r_m g_m +
+///    \frac{g_l}{\varphi_l}\left(\frac{i\omega}{\omega_l + i\omega} - r_l\right), $$
 /// so that the element's average $\sum_l\varphi_l\hat M_l$ is the full law at every frequency, whatever the constants $r_l$,
 /// which shift stiffness between the points. Long waves feel an element somewhere between its average modulus and its average
 /// compliance, which differ by the variance in space, $\sum_l\varphi_l\delta_l^2$, $\delta_l = \hat M_l - M$. Its imaginary part,

@@ -112,10 +112,8 @@ fn what_supports_take_of_a_source_is_warned_of_and_all_of_it_refused() {
         let plan = planned(&scene(&source, SYMMETRY));
         assert!(matches!(plan, Err(PlanError::AcrossSymmetry { .. })), "{source}: {:?}", plan.err());
     }
-    for (source, boundary, share) in [(traction("x_min", "[3e3, 0.0, 4e3]"), SYMMETRY, "60.0000 %")] {
-        let plan = planned(&scene(&source, boundary)).unwrap();
-        assert!(plan.warnings.iter().any(|w| w.contains(share)), "{source}: {:?}", plan.warnings);
-    }
+    let plan = planned(&scene(&traction("x_min", "[3e3, 0.0, 4e3]"), SYMMETRY)).unwrap();
+    assert!(plan.warnings.iter().any(|w| w.contains("60.0000 %")), "{:?}", plan.warnings);
     // beside a support nothing is lost, and the corner of two is not the one nor the other
     for (source, boundary) in [
         (point(43.0, -31.0, DOWN), fixed),
