@@ -10,8 +10,7 @@
 //! with its motion, strain and stress, looked at as often; five rounds of at least half a second each; the table gives
 //! medians. *Deformed*: inner corners moved at random by 15 % of an element. *Viscoelastic*: three
 //! mechanisms at every point; *coarse*: one of them at each. Bytes and operations are counted, not measured: every array once a step from memory, every
-//! operation of the kernel's formulas. *Process* is what the memory of the process grew by at its peak while the solid was
-//! made and stepped, with outputs: measured (Linux).
+//! operation of the kernel's formulas.
 
 #![allow(clippy::print_stdout)]
 
@@ -84,20 +83,13 @@ fn main() {
         machine.fma[1] * 1e-9
     );
     let mut csv = String::from(
-        "mesh,law,precision,threads,M_element_steps_per_s,least,most,ns_per_point,output_share,bytes_held_per_element,bytes_process_per_element,bytes_moved_per_element_step,flops_per_element_step,share_of_triad,share_of_multiply_add\n",
+        "mesh,law,precision,threads,M_element_steps_per_s,least,most,ns_per_point,output_share,bytes_held_per_element,bytes_moved_per_element_step,flops_per_element_step,share_of_triad,share_of_multiply_add\n",
     );
     println!("{}", HEAD);
     for deformed in [false, true] {
         for (law, memory) in LAWS.into_iter().filter(|(law, _)| law.starts_with(&options.law)) {
-            let before = mark_memory();
             let ground = ground(&options, deformed, memory);
-            let of_ground = grown(before) / ground.mesh().len() as f64;
-            let before = mark_memory();
             let dt = stable_step(&ground);
-            let of_bound = grown(before) / ground.mesh().len() as f64;
-            println!(
-                "process, B/element: mesh and ground {of_ground:.0}, bound of the step {of_bound:.0} for a while"
-            );
             let names = (if deformed { "deformed" } else { "affine" }, law);
             for threads in [1, 2] {
                 if options.only.is_empty() || options.only == "f32" {
@@ -202,7 +194,7 @@ fn pairs_in<T: Real>(grounds: &[Ground; 2], mesh: &str, rounds: usize) {
     );
 }
 
-const HEAD: &str = "mesh      law      prec threads | M element-steps/s (least, most) | ns/point | outputs | held B/el | process B/el | moved B/el | flop/el | of triad | of FMA";
+const HEAD: &str = "mesh      law      prec threads | M element-steps/s (least, most) | ns/point | outputs | held B/el | moved B/el | flop/el | of triad | of FMA";
 
 fn ground(options: &Options, deformed: bool, memory: Option<Memory>) -> Ground {
     let n = options.elements;
@@ -242,24 +234,6 @@ fn ground(options: &Options, deformed: bool, memory: Option<Memory>) -> Ground {
     };
     ground.add_load(forces, (0..1_000_000).map(|i| (1e-2 * f64::from(i)).sin()).collect());
     ground
-}
-
-/// A number of `/proc/self/status`, bytes; NaN where there is none.
-fn process_bytes(key: &str) -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|l| l.strip_prefix(key));
-    line.and_then(|l| l.trim_matches([':', '\t', ' ', 'k', 'B']).parse().ok())
-        .map_or(f64::NAN, |kb: f64| 1024.0 * kb)
-}
-
-/// Forgets the peak so far; the peak from here on, less what is held now, is what [`grown`] gives.
-fn mark_memory() -> f64 {
-    let _ = std::fs::write("/proc/self/clear_refs", "5");
-    process_bytes("VmRSS")
-}
-
-fn grown(since: f64) -> f64 {
-    process_bytes("VmHWM") - since
 }
 
 /// A station with its tensors.
@@ -387,25 +361,23 @@ fn case<T: Real>(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let folder = tempfile::tempdir().expect("a folder");
     let elements = ground.mesh().len();
-    let (rates, share, cost, process) = pool.install(|| {
+    let (rates, share, cost) = pool.install(|| {
         let mut plain = Loop::<T>::new(ground, dt, threads, None);
         let without = plain.rates(elements);
         let cost = plain.solid.cost();
         drop(plain);
-        let before = mark_memory();
         let mut whole = Loop::<T>::new(ground, dt, threads, Some(folder.path()));
         let rates = whole.rates(elements);
         let share = 1.0 - rates[ROUNDS / 2] / without[ROUNDS / 2];
-        (rates, share, cost, grown(before))
+        (rates, share, cost)
     });
     let rate = rates[ROUNDS / 2];
     let per = |x: f64| x / elements as f64;
     let (held, moved, flops) = (per(cost.bytes_held), per(cost.bytes_moved), per(cost.flops));
-    let process = per(process);
     let points = ground.numbering().nodes as f64 / elements as f64;
     let (triad, fma) = (rate * moved / machine.triad[kind], rate * flops / machine.fma[kind]);
     println!(
-        "{mesh:<9} {law:<8} {:<4} {threads:>7} | {:>17.3} ({:.3}, {:.3}) | {:>8.1} | {:>6.1}% | {held:>9.0} | {process:>12.0} | {moved:>10.0} | {flops:>7.0} | {:>7.0}% | {:>5.0}%",
+        "{mesh:<9} {law:<8} {:<4} {threads:>7} | {:>17.3} ({:.3}, {:.3}) | {:>8.1} | {:>6.1}% | {held:>9.0} | {moved:>10.0} | {flops:>7.0} | {:>7.0}% | {:>5.0}%",
         T::NAME,
         rate * 1e-6,
         rates[0] * 1e-6,
@@ -417,7 +389,7 @@ fn case<T: Real>(
     );
     let _ = writeln!(
         csv,
-        "{mesh},{law},{},{threads},{:.4},{:.4},{:.4},{:.2},{share:.4},{held:.0},{process:.0},{moved:.0},{flops:.0},{:.3},{:.3}",
+        "{mesh},{law},{},{threads},{:.4},{:.4},{:.4},{:.2},{share:.4},{held:.0},{moved:.0},{flops:.0},{:.3},{:.3}",
         T::NAME,
         rate * 1e-6,
         rates[0] * 1e-6,
